@@ -1,0 +1,16 @@
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+#include "firmware_host/error.h"
+
+namespace armature::tools {
+
+/// What the chosen subcommand does once the command line has been parsed. A failure is printed as one line on stderr
+/// and the program exits 1; wrong use exits 2 before this is called.
+using Run = std::function<Expected<void>()>;
+
+/// Each adds one subcommand to `app` and, when the user names it, sets `run`. One source file a command.
+}  // namespace armature::tools
