@@ -1,15 +1,23 @@
 #include <cstdio>
-#include <string>
+#include <exception>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/commands/commands.h"
 
-int main(int argc, char** argv) {
-  CLI::App app{"armature: bodies and shapes, steered by hand", "armature"};
+namespace {
+
+using namespace armature::tools;
+
+void add_commands([[maybe_unused]] CLI::App& app, [[maybe_unused]] Run& run) {}
+
+int run_command(int argc, char** argv) {
+  CLI::App app{"Bodies and shapes, steered by hand.\nEvery subcommand explains itself: armature SUBCOMMAND --help",
+               "armature"};
   app.require_subcommand(1);
   app.set_version_flag("--version", ARMATURE_VERSION);
-  armature::tools::Run run;
+  Run run;
+  add_commands(app, run);
 
   try {
     app.parse(argc, argv);
@@ -19,10 +27,20 @@ int main(int argc, char** argv) {
     app.exit(wrong);
     return 2;
   }
-  const auto result = run();
-  if (!result) {
+  if (const auto result = run(); !result) {
     std::fprintf(stderr, "armature: %s\n", result.error().message.c_str());
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_command(argc, argv);
+  } catch (const std::exception& unexpected) {
+    std::fprintf(stderr, "armature: %s\n", unexpected.what());
+    return 1;
+  }
 }

@@ -12,5 +12,7 @@ namespace armature::tools {
 /// and the program exits 1; wrong use exits 2 before this is called.
 using Run = std::function<Expected<void>()>;
 
-/// Each adds one subcommand to `app` and, when the user names it, sets `run`. One source file a command.
+// Each adds one subcommand to `app` and sets `run` when the user names it. One source file a command, in the order of
+// the alphabet. Listed here, in add_commands() of tools/armature.cpp and in tools/CMakeLists.txt.
+
 }  // namespace armature::tools

@@ -1,0 +1,60 @@
+#include "tools/interrupt.h"
+
+#include <array>
+#include <cassert>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace armature::tools {
+namespace {
+
+// A signal handler may only write to a pipe: requesting a stop takes locks. The handler has no argument of ours, hence
+// the one mutable global.
+std::array<int, 2> signal_pipe = {-1, -1};
+constexpr char kSignal = 's';
+constexpr char kEnd = 'e';
+
+extern "C" void armature_on_signal(int /*signal*/) {
+  const int saved = errno;
+  [[maybe_unused]] const auto written = write(signal_pipe[1], &kSignal, 1);
+  errno = saved;
+}
+
+constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  assert(signal_pipe[0] == -1);
+  if (pipe2(signal_pipe.data(), O_CLOEXEC) != 0) std::abort();
+  waiter_ = std::thread([this] {
+    char what = 0;
+    while (true) {
+      const auto got = read(signal_pipe[0], &what, 1);
+      if (got == 1 && what == kSignal) source_.request_stop();
+      if ((got == 1 && what == kEnd) || (got != 1 && errno != EINTR)) return;
+    }
+  });
+  struct sigaction action {};
+  action.sa_handler = armature_on_signal;
+  action.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
+  for (const int signal : kSignals) sigaction(signal, &action, nullptr);
+}
+
+Interrupt::~Interrupt() {
+  struct sigaction action {};
+  action.sa_handler = SIG_DFL;
+  for (const int signal : kSignals) sigaction(signal, &action, nullptr);
+  [[maybe_unused]] const auto written = write(signal_pipe[1], &kEnd, 1);
+  waiter_.join();
+  for (int& end : signal_pipe) {
+    close(end);
+    end = -1;
+  }
+}
+
+}  // namespace armature::tools
