@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+
+#include "tracker/body/skeleton.h"
+#include "tracker/forest/part_classifier.h"
+
+namespace armature {
+
+struct JointOptions {
+  float bandwidth_m = 0.10F;          ///< radius of the mean shift's kernel
+  float observed_confidence = 0.25F;  ///< below this a joint is inferred
+  int hold_frames = 15;               ///< how long an unseen joint is inferred from the past before it is lost
+};
+
+/// Classified pixels -> 30 joints and the user's position P. Every joint is the strongest mode of the votes that the
+/// leaves cast for it (offsets from the surface point to the joint; Girshick et al. 2011), found by mean shift from
+/// several starts, the previous frame's joint among them. Votes count by the area of their pixel. A joint with too few
+/// votes is carried along with its neighbour in the body.
+/// Owns its memory. Deterministic. Thread-safe: no. Realtime-safe: estimate() yes, after reset().
+class JointEstimator {
+ public:
+  explicit JointEstimator(const JointOptions& options = {});
+  ~JointEstimator();
+  JointEstimator(JointEstimator&&) noexcept;
+  JointEstimator& operator=(JointEstimator&&) noexcept;
+
+  /// Forgets the past (a new user) and takes memory for images of this size.
+  void reset(const Intrinsics& intrinsics);
+
+  /// With no pixels every joint is lost, at its last position.
+  void estimate(const PartVotes& votes, Skeleton& out) noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace armature
