@@ -29,6 +29,12 @@ if(ARMATURE_SANITIZE)
   add_link_options(-fsanitize=${ARMATURE_SANITIZE})
 endif()
 
+if(ARMATURE_FUZZ)
+  # Every module reports its branches to the fuzzer; the targets link it.
+  add_compile_options(-fsanitize=fuzzer-no-link)
+  add_custom_target(fuzzers COMMENT "Every libFuzzer target")
+endif()
+
 add_library(armature_warnings INTERFACE)
 target_compile_options(armature_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast -Wcast-align
@@ -60,4 +66,21 @@ function(armature_test name)
   add_test(NAME ${name} COMMAND ${name}_test)
   set_tests_properties(${name} PROPERTIES WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" TIMEOUT ${arg_TIMEOUT}
     SKIP_RETURN_CODE 77)
+endfunction()
+
+# armature_fuzzer(NAME SOURCES a.cpp... LIBS lib...)
+#   Declares the libFuzzer program fuzzers/NAME, built by the target `fuzzers` of the preset `fuzz`; nothing elsewhere.
+#   Its seeds, if any, are the files of tests/fuzz/corpus/NAME. `tools/check --full` runs each for a minute.
+function(armature_fuzzer name)
+  if(NOT ARMATURE_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name}_fuzzer EXCLUDE_FROM_ALL ${arg_SOURCES})
+  set_target_properties(${name}_fuzzer PROPERTIES
+    OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/fuzzers")
+  target_include_directories(${name}_fuzzer PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name}_fuzzer PRIVATE ${arg_LIBS} armature_warnings)
+  target_link_options(${name}_fuzzer PRIVATE -fsanitize=fuzzer)
+  add_dependencies(fuzzers ${name}_fuzzer)
 endfunction()
