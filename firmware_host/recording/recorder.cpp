@@ -1,0 +1,277 @@
+#include "firmware_host/recording/recorder.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bitset>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include <OpenNI.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "firmware_host/backends/openni2_runtime.h"
+#include "firmware_host/recording/driver/push_device.h"
+#include "firmware_host/recording/file_reader.h"
+#include "firmware_host/recording/oni_layout.h"
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kMaxFrames = 287'000;         // a longer seek table is more than the player can read
+constexpr std::uint64_t kMaxQueuedFrames = 8;         // in memory, between us and OpenNI2's thread
+constexpr std::size_t kMaxDifferentDepths = 1 << 15;  // the codec's indices have 15 bits
+constexpr std::uint16_t kUnstorableDepth = 65535;
+constexpr auto kDiskPatience = 20s;
+
+std::filesystem::path temporary_path(const std::filesystem::path& path) {
+  static std::atomic<unsigned> serial{0};
+  auto name = std::string(".").append(path.filename().string()).append(".");
+  name += std::to_string(::getpid()) + "-" + std::to_string(++serial) + ".tmp.oni";
+  return path.parent_path() / name;
+}
+
+/// Follows the file that OpenNI2's thread writes, one write a record: the only sign of how far it has come.
+class RecordFollower {
+ public:
+  explicit RecordFollower(FileReader file) : file_(std::move(file)) {}
+
+  void look() {
+    const std::uint64_t size = file_.current_size();
+    std::array<std::byte, kOniRecordHeaderBytes> bytes{};
+    OniRecordHeader header;
+    while (offset_ + bytes.size() <= size && file_.read_at(offset_, bytes) && parse_record_header(bytes, header) &&
+           offset_ + header.total_bytes() <= size && header.total_bytes() >= kOniRecordHeaderBytes) {
+      offset_ += header.total_bytes();
+      if (header.type == OniRecordType::DataBegin) begun_ = true;
+      if (header.type == OniRecordType::NewData) ++frames_;
+    }
+  }
+  [[nodiscard]] bool begun() const noexcept { return begun_; }
+  [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+
+ private:
+  FileReader file_;
+  std::uint64_t offset_ = kOniFileHeaderBytes;
+  std::uint64_t frames_ = 0;
+  bool begun_ = false;
+};
+
+template <class Condition>
+bool wait_for(Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kDiskPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(200us);
+  }
+  return true;
+}
+
+bool more_than_codec_holds(std::span<const std::uint16_t> depth_mm) {
+  if (depth_mm.size() <= kMaxDifferentDepths) return false;
+  std::bitset<65536> seen;
+  for (const std::uint16_t depth : depth_mm) seen.set(depth);
+  return seen.count() > kMaxDifferentDepths;
+}
+
+double field_of_view_rad(int pixels, double focal_px) {
+  return 2 * std::atan(pixels / (2 * focal_px));
+}
+
+Expected<void> check_facts(const std::string& name, const RecordingFacts& facts) {
+  const Intrinsics& k = facts.intrinsics;
+  if (k.width < 1 || k.height < 1 || k.width > kMaxImageSide || k.height > kMaxImageSide ||
+      std::size_t{2} * static_cast<unsigned>(k.width) * static_cast<unsigned>(k.height) > kMaxOniPayloadBytes)
+    return fail(name + ": resolution " + std::to_string(k.width) + " x " + std::to_string(k.height) +
+                ": expected sides of 1 to 4096 and at most 2880000 pixels");
+  // One rule for what a side-car may say: what its reader accepts.
+  if (auto checked = parse_sidecar(format_sidecar(facts), name + ".toml"); !checked)
+    return tl::unexpected(checked.error());
+  return {};
+}
+
+Expected<void> write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return fail(path.string() + ": cannot be written: " + std::strerror(errno));
+  return {};
+}
+
+}  // namespace
+
+struct Recorder::State {
+  std::filesystem::path path;
+  std::filesystem::path temporary;
+  RecordingFacts facts;
+  openni::Device device;
+  openni::VideoStream stream;
+  openni::Recorder recorder;
+  std::optional<RecordFollower> follower;
+  std::uint64_t frames = 0;
+  std::chrono::nanoseconds first_time{0};
+  std::chrono::nanoseconds last_time{0};
+
+  ~State() {
+    close();
+    if (!temporary.empty()) {
+      std::error_code ignored;
+      std::filesystem::remove(temporary, ignored);
+      std::filesystem::remove(sidecar_path(temporary), ignored);
+    }
+  }
+
+  // In this order: the recorder's thread reads from the stream until it has ended.
+  void close() {
+    recorder.destroy();
+    stream.stop();
+    stream.destroy();
+    device.close();
+  }
+
+  Expected<void> open() {
+    const std::string name = path.string();
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0) return fail(name + ": cannot be written: " + std::strerror(errno));
+    ::close(descriptor);
+
+    static std::atomic<unsigned> serial{0};
+    const Intrinsics& k = facts.intrinsics;
+    const int fps = std::max(1, static_cast<int>(std::lround(facts.frames_per_second)));
+    std::array<char, 256> uri{};
+    std::snprintf(uri.data(), uri.size(), kPushUriFormat, ++serial, k.width, k.height, fps,
+                  field_of_view_rad(k.width, k.focal_x_px), field_of_view_rad(k.height, k.focal_y_px));
+    const auto complain = [&](const char* step) {
+      return fail(name + ": cannot be recorded: " + openni2_complaint(step));
+    };
+    if (device.open(uri.data()) != openni::STATUS_OK) return complain("no recording driver beside libOpenNI2.so.0");
+    if (stream.create(device, openni::SENSOR_DEPTH) != openni::STATUS_OK) return complain("no depth stream");
+    if (stream.start() != openni::STATUS_OK) return complain("the stream does not start");
+    if (recorder.create(temporary.c_str()) != openni::STATUS_OK) return complain("no recorder");
+    if (recorder.attach(stream) != openni::STATUS_OK) return complain("the recorder refuses the stream");
+    if (recorder.start() != openni::STATUS_OK) return complain("the recorder does not start");
+
+    auto file = FileReader::open(temporary);
+    if (!file) return tl::unexpected(file.error());
+    follower.emplace(std::move(*file));
+    if (!wait_for([&] {
+          follower->look();
+          return follower->begun();
+        }))
+      return fail(name + ": cannot be written: OpenNI2's recorder does not start");
+    // The recorder drops frames until it has left the step in which it wrote what we just saw.
+    int nothing = 0;
+    if (stream.invoke(kSynchronizeCommand, &nothing, sizeof nothing) != openni::STATUS_OK)
+      return complain("the recording driver is of another version");
+    return {};
+  }
+
+  // Waits until at most `queued` frames have not reached the file.
+  bool catch_up(std::uint64_t queued) {
+    return wait_for([&] {
+      follower->look();
+      return follower->frames() + queued >= frames;
+    });
+  }
+};
+
+Recorder::Recorder(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Recorder::Recorder(Recorder&&) noexcept = default;
+Recorder& Recorder::operator=(Recorder&&) noexcept = default;
+Recorder::~Recorder() = default;
+
+Expected<Recorder> Recorder::create(std::filesystem::path path, const RecordingFacts& facts) {
+  if (auto checked = check_facts(path.string(), facts); !checked) return tl::unexpected(checked.error());
+  if (auto loaded = load_openni2(); !loaded) return tl::unexpected(loaded.error());
+  auto state = std::make_unique<State>();
+  state->temporary = temporary_path(path);
+  state->path = std::move(path);
+  state->facts = facts;
+  if (auto opened = state->open(); !opened) return tl::unexpected(opened.error());
+  return Recorder(std::move(state));
+}
+
+Expected<void> Recorder::append(const DepthView& frame) {
+  State& s = *state_;
+  const std::string place = s.path.string() + ": frame " + std::to_string(s.frames);
+  const Intrinsics& k = s.facts.intrinsics;
+  const auto pixels = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
+  if (frame.width() != k.width || frame.height() != k.height || frame.depth_mm.size() != pixels)
+    return fail(place + ": " + std::to_string(frame.width()) + " x " + std::to_string(frame.height()) + ": expected " +
+                std::to_string(k.width) + " x " + std::to_string(k.height) + " as before");
+  if (s.frames == kMaxFrames)
+    return fail(place + ": expected at most " + std::to_string(kMaxFrames) + " frames in one recording");
+  if (s.frames == 0) s.first_time = frame.sensor.time;
+  if (s.frames > 0 && frame.sensor.time < s.last_time) return fail(place + ": its time runs backwards");
+  if (std::find(frame.depth_mm.begin(), frame.depth_mm.end(), kUnstorableDepth) != frame.depth_mm.end())
+    return fail(place + ": holds a depth of 65535 mm: expected at most 65534");
+  if (more_than_codec_holds(frame.depth_mm))
+    return fail(place + ": holds more than 32768 different depths, which the format cannot store");
+
+  s.last_time = frame.sensor.time;
+  const auto since_first = std::chrono::round<std::chrono::microseconds>(frame.sensor.time - s.first_time);
+  PushedFrame pushed{frame.depth_mm.data(), static_cast<int>(frame.depth_mm.size_bytes()),
+                     static_cast<int>(s.frames + 1), static_cast<std::uint64_t>(since_first.count())};
+  if (s.stream.invoke(kPushFrameCommand, &pushed, sizeof pushed) != openni::STATUS_OK)
+    return fail(place + ": OpenNI2 refuses it: " + openni2_complaint("no reason given"));
+  ++s.frames;
+  if (!s.catch_up(kMaxQueuedFrames)) return fail(place + ": cannot be written: is the disk full?");
+  return {};
+}
+
+Expected<void> Recorder::finish() {
+  State& s = *state_;
+  const std::string name = s.path.string();
+  if (s.frames == 0) return fail(name + ": no frames to record");
+  if (!s.catch_up(0)) return fail(name + ": cannot be written: is the disk full?");
+  s.close();
+
+  const auto file = FileReader::open(s.temporary);
+  if (!file) return tl::unexpected(file.error());
+  const auto layout = read_oni_layout(*file, name);
+  if (!layout) return tl::unexpected(layout.error());
+  if (layout->frames.size() != s.frames)
+    return fail(name + ": OpenNI2 recorded " + std::to_string(layout->frames.size()) + " of " +
+                std::to_string(s.frames) + " frames");
+  if (auto written = write_text(sidecar_path(s.temporary), format_sidecar(s.facts)); !written) return written;
+  // The side-car first: a recording never stands without it.
+  std::error_code error;
+  std::filesystem::rename(sidecar_path(s.temporary), sidecar_path(s.path), error);
+  if (!error) std::filesystem::rename(s.temporary, s.path, error);
+  if (error) return fail(name + ": cannot be written: " + error.message());
+  s.temporary.clear();
+  return {};
+}
+
+Expected<std::uint64_t> write_recording(const std::filesystem::path& path, DepthSource& source,
+                                        const WriteRecordingOptions& options) {
+  const SourceInfo& info = source.info();
+  auto recorder = Recorder::create(path, {info.intrinsics, info.frames_per_second, info.uri});
+  if (!recorder) return tl::unexpected(recorder.error());
+  DepthFrame frame;
+  std::uint64_t count = 0;
+  std::chrono::nanoseconds first_time{0};
+  while (!options.max_frames || count < *options.max_frames) {
+    if (options.stop && options.stop()) break;
+    const auto status = source.read(frame, 100ms);
+    if (!status) return tl::unexpected(status.error());
+    if (*status == ReadStatus::EndOfStream) break;
+    if (*status == ReadStatus::Timeout) continue;
+    if (count == 0) first_time = frame.sensor.time;
+    if (options.max_duration && frame.sensor.time - first_time >= *options.max_duration) break;
+    if (auto appended = recorder->append(frame.view()); !appended) return tl::unexpected(appended.error());
+    ++count;
+    if (options.progress) options.progress(count);
+  }
+  if (auto finished = recorder->finish(); !finished) return tl::unexpected(finished.error());
+  return count;
+}
+
+}  // namespace armature

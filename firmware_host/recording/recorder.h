@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "firmware_host/depth_frame.h"
+#include "firmware_host/depth_source.h"
+#include "firmware_host/error.h"
+#include "firmware_host/recording/sidecar.h"
+
+namespace armature {
+
+/// Writes an OpenNI2 recording and its side-car through openni::Recorder, on a device of our own driver. Replay gives
+/// back the same pixels, and the time stamps rebased to zero, in whole microseconds.
+///
+/// Both files come into being when finish() succeeds; until then, and for good where it is never called, there is only
+/// a temporary file. OpenNI2's recorder keeps a core busy while it exists: not for the daemon's process.
+/// Thread-safe: no. Realtime-safe: no.
+class Recorder {
+ public:
+  /// `path` should end in `.oni`. An existing recording is replaced, by finish().
+  [[nodiscard]] static Expected<Recorder> create(std::filesystem::path path, const RecordingFacts& facts);
+
+  Recorder(Recorder&&) noexcept;
+  Recorder& operator=(Recorder&&) noexcept;
+  ~Recorder();
+
+  /// Fails when the frame has another resolution, goes back in time, or holds what the format cannot: a depth of 65535,
+  /// or more than 32768 different depths. Waits while the disk is slower than the caller.
+  [[nodiscard]] Expected<void> append(const DepthView& frame);
+
+  /// Completes the recording, reads it back record by record and moves it to its name.
+  [[nodiscard]] Expected<void> finish();
+
+ private:
+  struct State;
+  explicit Recorder(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Frames until the first of: the end of the source, `max_frames`, `max_duration` of the frames' own time, stop()
+/// saying true. `progress` hears the number of frames written so far.
+struct WriteRecordingOptions {
+  std::optional<std::uint64_t> max_frames;
+  std::optional<std::chrono::nanoseconds> max_duration;
+  std::function<bool()> stop;
+  std::function<void(std::uint64_t frames)> progress;
+};
+
+/// Records `source` at `path`; the number of frames. A source without a single frame is an error, and nothing is left.
+[[nodiscard]] Expected<std::uint64_t> write_recording(const std::filesystem::path& path, DepthSource& source,
+                                                      const WriteRecordingOptions& options = {});
+
+}  // namespace armature
