@@ -1,0 +1,142 @@
+#include "tracker/segmentation/segmenter.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "tracker/segmentation/background_model.h"
+#include "tracker/segmentation/components.h"
+#include "tracker/segmentation/depth_grid.h"
+#include "tracker/segmentation/planes.h"
+#include "tracker/segmentation/user_mask.h"
+#include "tracker/segmentation/user_tracker.h"
+
+namespace armature {
+namespace {
+
+/// All that depends on the size of the image.
+struct Stages {
+  Stages(const Intrinsics& intrinsics, const SegmentationOptions& options)
+      : grid(make_depth_grid(intrinsics)),
+        planes(grid.size()),
+        background(grid.size()),
+        components(grid.size()),
+        tracker(options, grid.size()),
+        kind(static_cast<std::size_t>(grid.size())),
+        cover(static_cast<std::size_t>(grid.size())),
+        mask(static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height)) {}
+
+  DepthGrid grid;
+  PlaneFinder planes;
+  BackgroundModel background;
+  ComponentFinder components;
+  UserTracker tracker;
+  std::vector<std::uint8_t> kind;  ///< as ComponentFinder::find() takes it
+  std::vector<BackgroundModel::Cover> cover;
+  std::vector<std::uint8_t> mask;
+  std::array<User, UserTracker::kMaxUsers> users{};
+};
+
+constexpr float kWallThickness = 2.5F * kDisparityStep;
+
+}  // namespace
+
+struct Segmenter::State {
+  SegmentationOptions options;
+  Intrinsics intrinsics;
+  std::optional<Stages> stages;
+  Segmentation result;
+
+  void find_candidates() noexcept;
+  void publish(DepthView frame) noexcept;
+};
+
+Segmenter::Segmenter(const SegmentationOptions& options) : state_(std::make_unique<State>()) {
+  state_->options = options;
+}
+Segmenter::~Segmenter() = default;
+Segmenter::Segmenter(Segmenter&&) noexcept = default;
+Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
+
+void Segmenter::reset(const Intrinsics& intrinsics) {
+  state_->result = {};
+  state_->intrinsics = intrinsics;
+  state_->stages.reset();
+  if (usable(intrinsics)) state_->stages.emplace(intrinsics, state_->options);
+}
+
+const Segmentation& Segmenter::process(DepthView frame) noexcept {
+  State& state = *state_;
+  if (!(frame.intrinsics == state.intrinsics)) reset(frame.intrinsics);
+  if (!state.stages || frame.depth_mm.size() != state.stages->mask.size()) {
+    state.result = {};
+    return state.result;
+  }
+  Stages& stages = *state.stages;
+  sample(frame, stages.grid);
+  stages.planes.update(stages.grid);
+  state.result.floor.reset();
+  state.result.up = -Eigen::Vector3f::UnitY();
+  if (stages.planes.floor()) {
+    state.result.floor = in_space(*stages.planes.floor());
+    state.result.up = state.result.floor->normal;
+  }
+  state.find_candidates();
+  stages.components.find(stages.grid, stages.kind, state.result.up);
+  stages.tracker.update(stages.grid, stages.components, state.result.floor);
+  for (std::size_t i = 0; i < stages.cover.size(); ++i) {
+    using Cover = BackgroundModel::Cover;
+    stages.cover[i] = stages.tracker.dismissed(i)       ? Cover::Furniture
+                      : stages.tracker.owners()[i] != 0 ? Cover::User
+                                                        : Cover::Nobody;
+  }
+  stages.background.learn(stages.grid, stages.cover);
+  state.publish(frame);
+  return state.result;
+}
+
+void Segmenter::State::find_candidates() noexcept {
+  const DepthGrid& grid = stages->grid;
+  const auto& floor = stages->planes.floor();
+  std::size_t i = 0;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x, ++i) {
+      stages->kind[i] = 0;
+      const float z = grid.depth[i];
+      if (z <= 0 || z < options.near_m || z > options.far_m) continue;
+      const float w = grid.inverse_depth[i];
+      const float ray_x = grid.ray_x[static_cast<std::size_t>(x)];
+      const float ray_y = grid.ray_y[static_cast<std::size_t>(y)];
+      if (floor && w - floor->inverse_depth(ray_x, ray_y) < floor_margin(*floor, w)) continue;
+      const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
+        return std::abs(wall.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
+      });
+      if (on_wall) continue;
+      const auto cell = stages->background.classify(static_cast<int>(i), w);
+      if (cell == BackgroundModel::Cell::Background) continue;
+      stages->kind[i] = cell == BackgroundModel::Cell::Foreground ? 2 : 1;
+    }
+  }
+}
+
+void Segmenter::State::publish(DepthView frame) noexcept {
+  std::array<std::uint8_t, UserTracker::kMaxUsers> ids{};
+  stages->users = {};
+  const auto tracks = stages->tracker.tracks();
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    ids[t] = tracks[t].id;
+    stages->users[t].id = tracks[t].id;
+    stages->users[t].centre = tracks[t].centre;
+  }
+  const auto& floor = stages->planes.floor();
+  draw_user_mask(frame, {stages->grid, stages->tracker.owners(), ids, floor ? &*floor : nullptr}, stages->mask,
+                 stages->users);
+  std::ranges::sort(stages->users, [](const User& a, const User& b) {
+    return a.pixel_count != b.pixel_count ? a.pixel_count > b.pixel_count : a.id < b.id;
+  });
+  const auto seen = std::ranges::count_if(stages->users, [](const User& user) { return user.pixel_count > 0; });
+  result.user_of_pixel = stages->mask;
+  result.users = std::span<const User>(stages->users).first(static_cast<std::size_t>(seen));
+}
+
+}  // namespace armature

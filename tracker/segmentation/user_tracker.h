@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tracker/segmentation/components.h"
+#include "tracker/segmentation/depth_grid.h"
+#include "tracker/segmentation/segmenter.h"
+
+namespace armature {
+
+/// Somebody who is followed from frame to frame.
+struct Track {
+  std::uint8_t id = 0;  ///< 0 = this place is free
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  ///< metres a frame
+  Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
+  float area = 0;
+  int age = 0;     ///< frames since birth
+  int missed = 0;  ///< frames since last seen
+  bool has_moved = false;
+
+  [[nodiscard]] bool seen() const noexcept { return id != 0 && missed == 0; }
+};
+
+/// Which components are people, and which of them is who. Deterministic. Realtime-safe: update() yes.
+class UserTracker {
+ public:
+  static constexpr std::size_t kMaxUsers = 6;
+
+  UserTracker(const SegmentationOptions& options, int cells);
+
+  /// `floor` as in Segmentation; heights of `components` are along `up`.
+  void update(const DepthGrid& grid, const ComponentFinder& components, const std::optional<FloorPlane>& floor) noexcept;
+
+  [[nodiscard]] std::span<const Track> tracks() const noexcept { return tracks_; }
+  /// [height][width], 0 = nobody, else 1 + index into tracks().
+  [[nodiscard]] std::span<const std::uint8_t> owners() const noexcept { return owners_; }
+  /// Whether a cell belongs to what was dismissed as furniture in this frame, [height][width].
+  [[nodiscard]] bool dismissed(std::size_t cell) const noexcept { return dismissed_[cell] != 0; }
+
+ private:
+  static constexpr std::size_t kMaxComponents = ComponentFinder::kMaxComponents;
+  static constexpr std::uint8_t kNobody = 0;
+  static constexpr std::uint8_t kShared = 255;  ///< a component in which several users have met
+
+  [[nodiscard]] bool human_sized(const Component& c, const std::optional<FloorPlane>& floor) const noexcept;
+  [[nodiscard]] bool in_zone(const Component& c, float margin) const noexcept;
+  void count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
+  void keep(std::span<const Component> found) noexcept;
+  void admit(std::span<const Component> found, const std::optional<FloorPlane>& floor) noexcept;
+  void attach(const ComponentFinder& components) noexcept;
+  void share(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
+  void move(const DepthGrid& grid) noexcept;
+  void dismiss_furniture() noexcept;
+  [[nodiscard]] std::size_t place_for(const Component& c) noexcept;
+
+  SegmentationOptions options_;
+  std::array<Track, kMaxUsers> tracks_{};
+  std::uint8_t last_id_ = 0;
+  std::vector<std::uint8_t> owners_;
+  std::vector<std::uint8_t> dismissed_;
+  std::vector<std::uint8_t> previous_owners_;
+  std::vector<float> previous_depth_;
+  std::vector<int> queue_;
+  std::array<std::uint8_t, kMaxComponents> owner_of_{};  ///< per component: kNobody, 1 + track, or kShared
+  std::array<std::array<int, kMaxUsers>, kMaxComponents> overlap_{};  ///< cells that were a user's a frame ago
+  std::array<int, kMaxUsers> previous_cells_{};
+};
+
+}  // namespace armature
