@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "firmware_host/error.h"
+#include "tracker/pipeline.h"
+
+namespace armature {
+
+/// Who stands in front of the sensor: sets the default pair, which turn and walk override.
+enum class Profile : std::uint8_t { Standing, Seated };
+inline constexpr std::array<std::string_view, 2> kProfileNames = {"standing", "seated"};
+
+/// Everything that can be set, with its defaults. The TOML file names, documents and bounds each of them.
+struct Config {
+  std::string source;                                  ///< URI; empty: named on the command line
+  bool lossless = false;                               ///< a recording is read frame by frame, none dropped
+  std::string endpoint = "ipc:///run/armature/nav";  ///< where navigation is published
+  std::string model;                                   ///< a forest; empty: the one that is installed
+  Profile profile = Profile::Standing;
+  TrackerOptions tracker;
+};
+
+/// Reads and validates a TOML file. An unknown key, a wrong type, a value out of range or a pair that cannot be steered
+/// with is an error of one line: FILE:LINE: key = value: what was expected.
+[[nodiscard]] Expected<Config> load_config(const std::filesystem::path& path);
+/// The same for a text; `name` stands for the file in messages.
+[[nodiscard]] Expected<Config> parse_config(std::string_view text, std::string_view name);
+
+/// The configuration as a commented TOML file with every key, which parse_config() reads back to the same.
+[[nodiscard]] std::string print_config(const Config& config);
+
+}  // namespace armature

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "tracker/config.h"
+
+namespace armature {
+
+/// The one list of what can be set: name, place in Config, bounds and meaning. Reading, checking and printing all walk
+/// it. A visitor has:
+///   section(name, doc)                     the table that the following keys stand in
+///   text(key, std::string&, doc)
+///   flag(key, bool&, doc)
+///   whole(key, int&, low, high, doc)
+///   number(key, float&, low, high, doc)
+///   angle(key_deg, float& radians, low_deg, high_deg, doc)
+///   seconds(key_s, std::chrono::milliseconds&, low_s, high_s, doc)
+///   choice(key, Enum&, names, doc)
+template <class Visitor>
+void visit_config(Config& c, Visitor& v) {
+  v.section("source", "Where depth comes from.");
+  v.text("uri", c.source, "oni:FILE, fakenect:DIR or synth:NAME; empty: named by --source");
+  v.flag("lossless", c.lossless, "read a recording frame by frame and drop none, instead of at its own pace");
+
+  v.section("publish", "Where velocities go.");
+  v.text("endpoint", c.endpoint, "a ZeroMQ endpoint; ipc:///PATH or tcp://ADDRESS:PORT");
+
+  v.section("segmentation", "The active zone: who is outside is not seen.");
+  SegmentationOptions& zone = c.tracker.segmentation;
+  v.number("near_m", zone.near_m, 0.3F, 8.0F, "nearest distance along the optical axis");
+  v.number("far_m", zone.far_m, 0.5F, 10.0F, "farthest");
+  v.number("half_width_m", zone.half_width_m, 0.2F, 10.0F, "to either side of the optical axis");
+
+  v.section("skeleton", "From depth to joints.");
+  v.text("model", c.model, "a forest made by `armature forest train`; empty: the installed one");
+  v.whole("stride", c.tracker.forest.stride, 0, 16, "pixels between samples; 0: a 160th of the image's width");
+  v.number("bandwidth_m", c.tracker.joints.bandwidth_m, 0.02F, 0.3F, "kernel radius of the mean shift");
+  v.number("observed_confidence", c.tracker.joints.observed_confidence, 0.0F, 1.0F, "below it a joint is inferred");
+  v.whole("hold_frames", c.tracker.joints.hold_frames, 0, 300, "how long an unseen joint is inferred from the past");
+
+  v.section("rest", "The pose against which motions are measured.");
+  RestOptions& rest = c.tracker.rest;
+  v.seconds("stillness_s", rest.stillness, 0.2F, 10.0F, "how long a user stands still for her rest pose");
+  v.number("still_spread_m", rest.still_spread_m, 0.001F, 0.5F, "standard deviation of a joint at 2 m that is still");
+  v.number("still_drift_m", rest.still_drift_m, 0.001F, 0.5F, "drift of a joint at 2 m that is still");
+
+  v.section("engagement", "Who steers.");
+  v.seconds("lost_timeout_s", c.tracker.engagement.lost_timeout, 0.0F, 60.0F,
+            "a user out of sight for longer has to stand still again");
+
+  NavigationOptions& navigation = c.tracker.navigation;
+  v.section("navigation", "What the two motions do. Forward and to the left are positive.");
+  v.choice("profile", c.profile, kProfileNames, "the default pair: standing (lean_bust, bend_knees) or "
+                                                "seated (rotate_shoulders, bend_bust)");
+  v.choice("turn", navigation.pair.turn, kMotionNames, "the motion that turns the view");
+  v.choice("walk", navigation.pair.walk, kMotionNames, "the motion that walks");
+  v.flag("allow_correlated", navigation.allow_correlated, "allow pairs that move together on most bodies");
+  v.number("max_walk_m_s", navigation.actuator.max_walk_m_s, 0.0F, 100.0F, "speed at full motion");
+  v.angle("max_turn_deg_s", navigation.actuator.max_turn_rad_s, 0.0F, 720.0F, "turn rate at full motion");
+  v.number("walk_acceleration_m_s2", navigation.actuator.walk_acceleration_m_s2, 0.01F, 1000.0F,
+           "how fast walking speeds up; stopping is not limited");
+  v.angle("turn_acceleration_deg_s2", navigation.actuator.turn_acceleration_rad_s2, 1.0F, 7200.0F,
+          "how fast turning speeds up; stopping is not limited");
+
+  v.section("filter", "One-Euro filter on the angles: calm at rest, quick in motion.");
+  OneEuroOptions& filter = navigation.motions.filter;
+  v.number("min_cutoff_hz", filter.min_cutoff_hz, 0.05F, 30.0F, "lower is calmer and later");
+  v.number("speed_coefficient", filter.speed_coefficient, 0.0F, 100.0F, "higher follows fast motion more closely");
+  v.number("derivative_cutoff_hz", filter.derivative_cutoff_hz, 0.05F, 30.0F, "smooths the speed itself");
+  v.number("min_confidence", navigation.motions.min_confidence, 0.0F, 1.0F, "below it a motion is held");
+  v.seconds("hold_time_s", navigation.motions.hold_time, 0.0F, 5.0F, "for so long; then it counts as zero");
+
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    v.section("motions." + std::string(kMotionNames[m]), "");
+    v.angle("range_deg", navigation.motions.range_rad[m], 1.0F, 120.0F, "the angle that counts as 1");
+    v.number("alpha", navigation.transfer[m].alpha, 0.0F, 0.9F, "dead zone, share of the range; noise may widen it");
+    v.number("beta", navigation.transfer[m].beta, 0.2F, 5.0F, "slope; above 1 the motion starts gently");
+  }
+}
+
+}  // namespace armature

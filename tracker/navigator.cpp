@@ -1,0 +1,70 @@
+#include "tracker/navigator.h"
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// After a longer gap between tracked frames the past says nothing about the present.
+constexpr std::chrono::nanoseconds kForgetAfter = 500ms;
+constexpr std::chrono::nanoseconds kFirstStep = 33ms;
+
+}  // namespace
+
+Navigator::Navigator(const NavigationOptions& navigation, const RestOptions& rest)
+    : options_(navigation),
+      rest_(rest, navigation.motions),
+      meter_(navigation.motions),
+      actuator_(navigation.actuator),
+      rest_options_(rest) {}
+
+void Navigator::set_options(const NavigationOptions& navigation) noexcept {
+  options_ = navigation;
+  rest_.set_options(rest_options_, navigation.motions);
+  meter_.set_options(navigation.motions);
+  actuator_.set_options(navigation.actuator);
+}
+
+void Navigator::start_over() noexcept {
+  rest_.reset();
+  stop();
+}
+
+const Navigation& Navigator::stop() noexcept {
+  meter_.reset();
+  for (ShapedMotion& shape : shapes_) shape.reset();
+  last_time_.reset();
+  out_ = Navigation{};
+  out_.velocity = actuator_.stop();
+  return out_;
+}
+
+const Navigation& Navigator::process(const Skeleton& skeleton, const Eigen::Vector3f& up,
+                                     std::chrono::nanoseconds time) noexcept {
+  if (last_time_ && (time <= *last_time_ || time - *last_time_ > kForgetAfter)) stop();
+  const auto dt = last_time_ ? time - *last_time_ : kFirstStep;
+  last_time_ = time;
+
+  rest_.observe(skeleton, up, time);
+  if (!rest_.rest()) return out_;
+
+  const PerMotion<MotionReading>& readings = meter_.measure(skeleton, *rest_.rest(), dt);
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    const MotionReading& reading = readings[m];
+    MotionOutput& motion = out_.motions[m];
+    motion.angle_rad = reading.angle_rad;
+    motion.normalized = reading.normalized;
+    motion.confidence = reading.confidence;
+    motion.dead_zone = dead_zone(options_.transfer[m].alpha, rest_.sigma_rad()[m] / options_.motions.range_rad[m]);
+    motion.shaped = shapes_[m].shape(reading.normalized, motion.dead_zone, options_.transfer[m].beta);
+  }
+  const MotionOutput& walking = out_.motions[index(options_.pair.walk)];
+  const MotionOutput& turning = out_.motions[index(options_.pair.turn)];
+  out_.walk = walking.shaped;
+  out_.turn = turning.shaped;
+  out_.too_noisy = walking.dead_zone > kMaxDeadZone || turning.dead_zone > kMaxDeadZone;
+  out_.velocity = actuator_.drive(out_.walk, out_.turn, dt);
+  return out_;
+}
+
+}  // namespace armature

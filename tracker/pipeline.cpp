@@ -1,0 +1,175 @@
+#include "tracker/pipeline.h"
+
+namespace armature {
+namespace {
+
+/// Times one stage after another.
+class StageTimer {
+ public:
+  StageTimer(const Clock& clock, std::array<std::chrono::nanoseconds, kStageCount>& times) noexcept
+      : clock_(clock), times_(times), last_(clock.now()) {}
+
+  void done(StageId stage) noexcept {
+    const auto now = clock_.now();
+    times_[static_cast<std::size_t>(stage)] = now - last_;
+    last_ = now;
+  }
+
+ private:
+  const Clock& clock_;
+  std::array<std::chrono::nanoseconds, kStageCount>& times_;
+  std::chrono::nanoseconds last_;
+};
+
+constexpr std::size_t kMaxEvents = 4 + kMotionCount;
+
+}  // namespace
+
+bool tracked(const Skeleton& skeleton) noexcept {
+  using enum JointId;
+  const auto known = [&](JointId joint) { return skeleton[joint].state != JointState::Lost; };
+  const auto seen = [&](JointId joint) { return skeleton[joint].state == JointState::Observed ? 1 : 0; };
+  if (!(known(Head) || known(Neck)) || !known(LeftShoulder) || !known(RightShoulder) || !known(Waist)) return false;
+  return seen(Head) + seen(Neck) + seen(LeftShoulder) + seen(RightShoulder) + seen(Waist) >= 3;
+}
+
+struct Pipeline::State {
+  State(std::shared_ptr<const Forest> forest, const TrackerOptions& all, std::shared_ptr<Clock> clock)
+      : options(all),
+        stage_clock(std::move(clock)),
+        segmenter(all.segmentation),
+        classifier(std::move(forest), all.forest),
+        joints(all.joints),
+        engagement(all.engagement),
+        navigator(all.navigation, all.rest) {}
+
+  void say(TrackerEventKind kind, std::uint8_t user, MotionId motion = MotionId::RotateShoulders) noexcept {
+    if (event_count < kMaxEvents) events[event_count++] = {kind, user, motion};
+  }
+  void start_over() noexcept {
+    navigator.start_over();
+    joints.reset(intrinsics);
+    too_noisy = {};
+    was_engaged = false;
+  }
+  void watch_noise(std::uint8_t user) noexcept {
+    for (std::size_t m = 0; m < kMotionCount; ++m) {
+      const bool noisy = navigator.navigation().motions[m].dead_zone > kMaxDeadZone;
+      if (noisy && !too_noisy[m]) say(TrackerEventKind::MotionTooNoisy, user, static_cast<MotionId>(m));
+      too_noisy[m] = noisy;
+    }
+  }
+
+  TrackerOptions options;
+  std::shared_ptr<Clock> stage_clock;
+  Intrinsics intrinsics;
+  Segmenter segmenter;
+  PartClassifier classifier;
+  JointEstimator joints;
+  Engagement engagement;
+  Navigator navigator;
+  std::array<TrackerEvent, kMaxEvents> events{};
+  std::size_t event_count = 0;
+  PerMotion<bool> too_noisy{};
+  bool was_engaged = false;
+  TrackerOutput out;
+};
+
+Pipeline::Pipeline(std::shared_ptr<const Forest> forest, const TrackerOptions& options,
+                   std::shared_ptr<Clock> stage_clock)
+    : state_(std::make_unique<State>(std::move(forest), options, std::move(stage_clock))) {}
+Pipeline::~Pipeline() = default;
+
+void Pipeline::reset(const Intrinsics& intrinsics) {
+  State& s = *state_;
+  s.intrinsics = intrinsics;
+  s.segmenter.reset(intrinsics);
+  s.classifier.reset(intrinsics);
+  s.joints.reset(intrinsics);
+  s.engagement.release();
+  s.start_over();
+}
+
+const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
+  State& s = *state_;
+  if (frame.intrinsics != s.intrinsics) reset(frame.intrinsics);
+  s.event_count = 0;
+  TrackerOutput& out = s.out;
+  out.sequence = frame.sequence;
+  out.sensor = frame.sensor;
+  out.host = frame.host;
+  const auto time = frame.sensor.time;
+  StageTimer timer(*s.stage_clock, out.stage_time);
+
+  const Segmentation& segmentation = s.segmenter.process(frame);
+  const std::uint8_t last_user = s.engagement.user();
+  const std::uint8_t visible_user = s.engagement.choose(segmentation.users, time);
+  if (s.engagement.user_changed()) {
+    if (last_user != 0) s.say(TrackerEventKind::UserLeft, last_user);
+    if (visible_user != 0) s.say(TrackerEventKind::UserEntered, visible_user);
+    s.start_over();
+  }
+  timer.done(StageId::Segmentation);
+
+  out.tracking = false;
+  if (visible_user != 0) {
+    const PartVotes& votes = s.classifier.classify(frame, segmentation.user_of_pixel, visible_user);
+    timer.done(StageId::Forest);
+    s.joints.estimate(votes, out.skeleton);
+    out.tracking = tracked(out.skeleton);
+    timer.done(StageId::Joints);
+  } else {
+    timer.done(StageId::Forest);
+    timer.done(StageId::Joints);
+  }
+
+  const bool rest_was_known = s.navigator.rest().rest().has_value();
+  if (out.tracking) {
+    out.navigation = s.navigator.process(out.skeleton, segmentation.up, time);
+  } else {
+    out.skeleton = Skeleton{};
+    out.navigation = s.navigator.stop();
+  }
+  const RestEstimator& rest = s.navigator.rest();
+  const bool rest_known = rest.rest().has_value();
+  const EngagementState last_state = s.engagement.state();
+  out.state = s.engagement.update(out.tracking, rest_known);
+  out.user = s.engagement.user();
+  out.rest_progress = rest.progress();
+  if (rest_known) out.user_frame = rest.rest()->frame;
+
+  if (rest_known && !rest_was_known) s.say(TrackerEventKind::RestCaptured, out.user);
+  if (out.state == EngagementState::Engaged && last_state != EngagementState::Engaged) {
+    s.say(s.was_engaged ? TrackerEventKind::TrackingRegained : TrackerEventKind::Engaged, out.user);
+    s.was_engaged = true;
+  }
+  if (out.state == EngagementState::Lost && last_state == EngagementState::Engaged) {
+    s.say(TrackerEventKind::TrackingLost, out.user);
+  }
+  if (out.state == EngagementState::Engaged) s.watch_noise(out.user);
+
+  switch (out.state) {
+    case EngagementState::Absent: out.stop = StopReason::NoUser; break;
+    case EngagementState::Calibrating: out.stop = StopReason::Calibrating; break;
+    case EngagementState::Lost: out.stop = StopReason::TrackingLost; break;
+    case EngagementState::Engaged:
+      out.stop = out.navigation.too_noisy ? StopReason::TooNoisy : StopReason::None;
+      break;
+  }
+  out.events = {s.events.data(), s.event_count};
+  out.user_of_pixel = segmentation.user_of_pixel;
+  timer.done(StageId::Motions);
+  return out;
+}
+
+void Pipeline::capture_rest() noexcept {
+  state_->navigator.start_over();
+}
+
+void Pipeline::set_navigation(const NavigationOptions& options) noexcept { state_->navigator.set_options(options); }
+
+const NavigationOptions& Pipeline::navigation_options() const noexcept { return state_->navigator.options(); }
+
+const RestEstimator& Pipeline::rest() const noexcept { return state_->navigator.rest(); }
+
+}  // namespace armature
