@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <armature/navproto/error.h>
+
+namespace armature::navproto {
+
+inline constexpr std::string_view kDefaultEndpoint = "ipc:///run/armature/nav";
+
+/// The sockets of one publisher. `ipc:///run/armature/nav` has its siblings beside it (`.skeleton`, `.events`, `.feed`,
+/// `.control`), `tcp://HOST:PORT` on the four ports that follow.
+struct Endpoints {
+  std::string navigation;  ///< Navigation, conflated by subscribers
+  std::string skeleton;    ///< Skeleton, conflated by subscribers
+  std::string events;      ///< Event and Health, never conflated
+  std::string feed;        ///< Feed, conflated by subscribers
+  std::string control;     ///< Request and Reply
+};
+
+/// Fails where `base` is neither `ipc://PATH` (with room for the suffixes in a socket address) nor `tcp://HOST:PORT`
+/// with a port from 1 to 65531.
+[[nodiscard]] Expected<Endpoints> endpoints_of(std::string_view base);
+
+}  // namespace armature::navproto

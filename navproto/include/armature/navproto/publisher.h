@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string_view>
+
+#include <armature/navproto/error.h>
+#include <armature/navproto/messages.h>
+
+namespace armature::navproto {
+
+/// A monotonic clock, injected so that tests decide what time it is. Must be thread-safe where a subscriber uses it.
+using Now = std::function<std::chrono::nanoseconds()>;
+
+/// CLOCK_MONOTONIC.
+[[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept;
+
+struct PublisherOptions {
+  Now now = monotonic_now;
+  std::uint64_t session_id = 0;  ///< 0 = drawn at random
+};
+
+struct PublisherCounters {
+  std::uint64_t sent = 0;
+  std::uint64_t refused = 0;   ///< messages that check() objected to: a mistake of the caller, nothing went out
+  std::uint64_t replayed = 0;  ///< last states sent again to somebody who had just subscribed
+};
+
+/// Publishes navigation, skeletons, events and health. Never waits for a subscriber: one that does not keep up misses
+/// messages, the others and the caller notice nothing. Every call also answers new subscribers with the last state of
+/// each topic; a publisher that has nothing to say calls serve() now and then (every 100 ms, say).
+/// Thread-safe: no. Realtime-safe: the publish functions take no lock of ours and, after warm-up, allocate only what
+/// ZeroMQ does for its message.
+class Publisher {
+ public:
+  /// Binds the sockets `navigation`, `skeleton` and `events` of endpoints_of(endpoint). Fails in one line where the
+  /// endpoint is malformed, its directory missing, or a live publisher has it; what a killed one left is taken over.
+  [[nodiscard]] static Expected<Publisher> bind(std::string_view endpoint, PublisherOptions options = {});
+
+  ~Publisher();  ///< hands out what is queued, for at most 250 ms
+  Publisher(Publisher&&) noexcept;
+  Publisher& operator=(Publisher&&) noexcept;
+
+  /// Fill in header and times.published and send. False where check() objects to the message; nothing is sent then.
+  bool publish_navigation(NavigationMessage& message) noexcept;
+  bool publish_skeleton(SkeletonMessage& message) noexcept;
+  bool publish_event(EventMessage& message) noexcept;
+  bool publish_health(HealthMessage& message) noexcept;
+
+  /// Answers those who have just subscribed.
+  void serve() noexcept;
+
+  [[nodiscard]] std::uint64_t session_id() const noexcept;
+  [[nodiscard]] PublisherCounters counters() const noexcept;
+
+ private:
+  struct Impl;
+  explicit Publisher(std::unique_ptr<Impl> impl) noexcept;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace armature::navproto

@@ -1,0 +1,151 @@
+#include <array>
+
+#include <armature/navproto/codec.h>
+#include <armature/navproto/control.h>
+#include <armature/navproto/endpoints.h>
+
+#include "navproto/src/session.h"
+#include "navproto/src/socket.h"
+#include "navproto/src/wire.h"
+
+namespace armature::navproto {
+
+struct ControlServer::Impl {
+  EndpointLock lock;
+  ContextHandle context = make_context();
+  Socket socket{context.get(), ZMQ_ROUTER};
+  Encoder encoder;
+  Part peer;
+  Part payload;
+
+  [[nodiscard]] ControlReply answer(const Handler& handler) const {
+    const auto request = decode<ControlRequest>(payload.bytes());
+    ControlReply reply;
+    if (!request) {
+      reply.error = request.error().message;
+    } else {
+      reply = handler(*request);
+      reply.id = request->id;
+    }
+    reply.error = sanitised(std::move(reply.error));
+    reply.health.version = sanitised(std::move(reply.health.version));
+    reply.health.source = sanitised(std::move(reply.health.source));
+    if (const auto complaint = check(reply)) {
+      ControlReply apology;
+      apology.id = reply.id;
+      apology.error = "the reply does not hold to the schema: " + complaint->message;
+      return apology;
+    }
+    return reply;
+  }
+
+  /// A request is the peer's identity and one part; whatever else a peer sends is read and forgotten.
+  [[nodiscard]] bool receive_request(bool& is_request) {
+    if (!socket.receive(peer)) return false;
+    is_request = peer.more() && socket.receive(payload) && !payload.more();
+    Part rest;
+    bool more = is_request ? false : (peer.more() && payload.more());
+    while (more && socket.receive(rest)) more = rest.more();
+    return true;
+  }
+};
+
+Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlServerOptions options) {
+  const auto endpoints = endpoints_of(endpoint);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  if (!endpoints->control.starts_with("ipc:") && !options.allow_tcp) {
+    return fail("control " + endpoints->control + ": only ipc:// unless tcp is allowed expressly");
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->socket.set(ZMQ_LINGER, 250).set_max_bytes(kMaxMessageBytes);
+  auto lock = bind_exclusively(impl->socket, endpoints->control);
+  if (!lock) return tl::unexpected(lock.error());
+  impl->lock = *std::move(lock);
+  return ControlServer(std::move(impl));
+}
+
+ControlServer::ControlServer(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
+ControlServer::~ControlServer() = default;
+ControlServer::ControlServer(ControlServer&&) noexcept = default;
+ControlServer& ControlServer::operator=(ControlServer&&) noexcept = default;
+
+int ControlServer::serve(const Handler& handler, std::chrono::milliseconds timeout) {
+  std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
+  if (!poll(items, timeout)) return 0;
+  int answered = 0;
+  bool is_request = false;
+  while (impl_->receive_request(is_request)) {
+    if (!is_request) continue;
+    const ControlReply reply = impl_->answer(handler);
+    impl_->socket.send(impl_->peer.bytes(), ZMQ_SNDMORE);
+    impl_->socket.send(impl_->encoder.encode(reply));
+    ++answered;
+  }
+  return answered;
+}
+
+struct ControlClient::Impl {
+  std::string endpoint;
+  ContextHandle context = make_context();
+  Socket socket{context.get(), ZMQ_DEALER};
+  Encoder encoder;
+  Part part;
+  std::uint64_t last_id = random_session_id();
+
+  /// Waits for `event` until `deadline`.
+  bool wait(short event, std::chrono::steady_clock::time_point deadline) {
+    for (;;) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+      if (left.count() <= 0) return false;
+      std::array<zmq_pollitem_t, 1> items{{{socket.get(), 0, event, 0}}};
+      if (poll(items, left)) return true;
+    }
+  }
+};
+
+Expected<ControlClient> ControlClient::connect(std::string_view endpoint) {
+  const auto endpoints = endpoints_of(endpoint);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  auto impl = std::make_unique<Impl>();
+  impl->endpoint = endpoints->control;
+  // IMMEDIATE: a request must not lie in wait for a server that starts after its client has given up.
+  impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_IMMEDIATE, 1).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
+  impl->socket.set_max_bytes(kMaxMessageBytes);
+  if (auto connected = navproto::connect(impl->socket, impl->endpoint); !connected) {
+    return tl::unexpected(connected.error());
+  }
+  return ControlClient(std::move(impl));
+}
+
+ControlClient::ControlClient(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
+ControlClient::~ControlClient() = default;
+ControlClient::ControlClient(ControlClient&&) noexcept = default;
+ControlClient& ControlClient::operator=(ControlClient&&) noexcept = default;
+
+Expected<ControlReply> ControlClient::request(ControlRequest request, std::chrono::milliseconds timeout) {
+  request.id = ++impl_->last_id;
+  if (const auto complaint = check(request)) return fail("request: " + complaint->message);
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const auto silence = [&] {
+    return fail(impl_->endpoint + ": no answer within " + std::to_string(timeout.count()) +
+                " ms; is armatured running there?");
+  };
+  while (impl_->socket.receive(impl_->part)) {
+    // Replies to requests that were given up.
+  }
+  const auto part = impl_->encoder.encode(request);
+  do {
+    if (!impl_->wait(ZMQ_POLLOUT, deadline)) return silence();
+  } while (!impl_->socket.send(part));
+  while (impl_->wait(ZMQ_POLLIN, deadline)) {
+    if (!impl_->socket.receive(impl_->part)) continue;
+    auto reply = decode<ControlReply>(impl_->part.bytes());
+    if (!reply) return fail(impl_->endpoint + ": " + reply.error().message);
+    if (reply->id == request.id) return reply;
+    // A request the server could not read has no id to repeat.
+    if (reply->id == 0 && !reply->error.empty()) return reply;
+  }
+  return silence();
+}
+
+}  // namespace armature::navproto

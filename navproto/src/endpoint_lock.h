@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <armature/navproto/error.h>
+
+namespace armature::navproto {
+
+/// The right to bind an ipc endpoint. ZeroMQ's bind unlinks whatever file stands at the path, a live peer's socket
+/// included; so a lock file beside it (`PATH.lock`, flock) says who is alive. The kernel drops the lock with its
+/// process: what a killed publisher leaves is in nobody's way. Other transports need no lock and get an empty one.
+class EndpointLock {
+ public:
+  /// Fails where a live program holds the endpoint or something other than a socket stands at its path. A dead
+  /// program's socket is removed.
+  [[nodiscard]] static Expected<EndpointLock> take(const std::string& endpoint);
+
+  EndpointLock() = default;
+  ~EndpointLock();
+  EndpointLock(EndpointLock&& other) noexcept;
+  EndpointLock& operator=(EndpointLock&& other) noexcept;
+
+ private:
+  EndpointLock(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
+  int descriptor_ = -1;
+  std::string path_;
+};
+
+}  // namespace armature::navproto

@@ -1,0 +1,118 @@
+#include <array>
+#include <set>
+#include <string>
+
+#include <armature/navproto/codec.h>
+#include <armature/navproto/endpoints.h>
+#include <armature/navproto/feed.h>
+
+#include "navproto/src/session.h"
+#include "navproto/src/socket.h"
+
+namespace armature::navproto {
+namespace {
+
+// Two images under way: one being sent, one waiting.
+constexpr int kFeedQueue = 2;
+
+}  // namespace
+
+struct FeedPublisher::Impl {
+  PublisherOptions options;
+  EndpointLock lock;
+  ContextHandle context = make_context();
+  Socket socket{context.get(), ZMQ_XPUB};
+  Encoder encoder;
+  Part request;
+  std::set<std::string, std::less<>> subscriptions;  // XPUB reports each once, and when its last holder goes
+  std::uint64_t sequence = 0;
+
+  void collect() {
+    while (socket.receive(request)) {
+      const auto bytes = request.bytes();
+      if (bytes.empty()) continue;
+      std::string topic(reinterpret_cast<const char*>(bytes.data()) + 1, bytes.size() - 1);
+      if (bytes[0] == std::byte{1})
+        subscriptions.insert(std::move(topic));
+      else
+        subscriptions.erase(topic);
+    }
+  }
+  [[nodiscard]] bool wanted() const {
+    const std::string_view ours = kTopicPrefixes[static_cast<std::size_t>(Topic::Feed)];
+    for (const std::string& topic : subscriptions) {
+      if (ours.substr(0, topic.size()) == std::string_view(topic).substr(0, ours.size())) return true;
+    }
+    return false;
+  }
+};
+
+Expected<FeedPublisher> FeedPublisher::bind(std::string_view endpoint, PublisherOptions options) {
+  const auto endpoints = endpoints_of(endpoint);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  auto impl = std::make_unique<Impl>();
+  impl->options = std::move(options);
+  if (impl->options.session_id == 0) impl->options.session_id = random_session_id();
+  impl->socket.set(ZMQ_SNDHWM, kFeedQueue).set(ZMQ_LINGER, 0);
+  auto lock = bind_exclusively(impl->socket, endpoints->feed);
+  if (!lock) return tl::unexpected(lock.error());
+  impl->lock = *std::move(lock);
+  return FeedPublisher(std::move(impl));
+}
+
+FeedPublisher::FeedPublisher(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
+FeedPublisher::~FeedPublisher() = default;
+FeedPublisher::FeedPublisher(FeedPublisher&&) noexcept = default;
+FeedPublisher& FeedPublisher::operator=(FeedPublisher&&) noexcept = default;
+
+bool FeedPublisher::wanted() noexcept {
+  impl_->collect();
+  return impl_->wanted();
+}
+
+Expected<bool> FeedPublisher::publish(const FeedView& view) {
+  if (!wanted()) return false;
+  FeedView stamped = view;
+  const auto now = impl_->options.now();
+  stamped.header = {impl_->options.session_id, impl_->sequence + 1, now, false};
+  stamped.times.published = now;
+  if (const auto complaint = check(stamped)) return fail("feed: " + complaint->message);
+  const auto part = impl_->encoder.encode(stamped);
+  if (part.empty()) return fail("feed: the image could not be compressed");
+  ++impl_->sequence;
+  return impl_->socket.send(part);
+}
+
+struct FeedSubscriber::Impl {
+  ContextHandle context = make_context();
+  Socket socket{context.get(), ZMQ_SUB};
+  Part part;
+};
+
+Expected<FeedSubscriber> FeedSubscriber::connect(std::string_view endpoint) {
+  const auto endpoints = endpoints_of(endpoint);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  auto impl = std::make_unique<Impl>();
+  impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400).set(ZMQ_CONFLATE, 1);
+  impl->socket.set_max_bytes(kMaxFeedBytes);
+  if (auto connected = navproto::connect(impl->socket, endpoints->feed); !connected) {
+    return tl::unexpected(connected.error());
+  }
+  impl->socket.subscribe(kTopicPrefixes[static_cast<std::size_t>(Topic::Feed)]);
+  return FeedSubscriber(std::move(impl));
+}
+
+FeedSubscriber::FeedSubscriber(std::unique_ptr<Impl> impl) noexcept : impl_(std::move(impl)) {}
+FeedSubscriber::~FeedSubscriber() = default;
+FeedSubscriber::FeedSubscriber(FeedSubscriber&&) noexcept = default;
+FeedSubscriber& FeedSubscriber::operator=(FeedSubscriber&&) noexcept = default;
+
+Expected<std::optional<FeedMessage>> FeedSubscriber::receive(std::chrono::milliseconds timeout) {
+  std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
+  if (!poll(items, timeout) || !impl_->socket.receive(impl_->part)) return std::optional<FeedMessage>();
+  auto message = decode<FeedMessage>(impl_->part.bytes());
+  if (!message) return tl::unexpected(std::move(message).error());
+  return std::optional(*std::move(message));
+}
+
+}  // namespace armature::navproto
