@@ -48,7 +48,7 @@ struct Pipeline::State {
   }
   void start_over() noexcept {
     navigator.start_over();
-    joints.reset(intrinsics);
+    joints.reset();
     too_noisy = {};
     was_engaged = false;
   }
@@ -85,7 +85,7 @@ void Pipeline::reset(const Intrinsics& intrinsics) {
   s.intrinsics = intrinsics;
   s.segmenter.reset(intrinsics);
   s.classifier.reset(intrinsics);
-  s.joints.reset(intrinsics);
+  s.joints.reset();
   s.engagement.release();
   s.start_over();
 }

@@ -52,7 +52,7 @@ struct Tree {
 inline constexpr std::uint16_t kBackgroundDepth_mm = 20000;
 inline constexpr std::uint16_t kMaxPersonDepth_mm = 10000;  ///< whatever is farther counts as background
 inline constexpr int kMaxProbe_mm = 2000;
-inline constexpr int kMaxTrees = 8;
+inline constexpr int kMaxTrees = 4;
 
 /// A trained part forest. Immutable; every index in it was checked when it was made, so that walking it stays inside.
 /// Thread-safe: yes, for reading.
@@ -76,7 +76,7 @@ class Forest {
   /// CRC-32 (IEEE 802.3) of the model file's contents, as stored in it.
   [[nodiscard]] std::uint32_t checksum() const;
   /// Decisions on the longest path of a tree.
-  [[nodiscard]] int depth() const noexcept;
+  [[nodiscard]] int depth() const;
 
  private:
   Forest(std::vector<Tree> trees, std::string command);

@@ -8,7 +8,7 @@
 namespace armature {
 
 struct JointOptions {
-  float bandwidth_m = 0.10F;          ///< radius of the mean shift's kernel
+  float bandwidth_m = 0.19F;          ///< of the mean shift; as wide as a Gaussian exp(-d^2/h^2) of h = 10 cm
   float observed_confidence = 0.25F;  ///< below this a joint is inferred
   int hold_frames = 15;               ///< how long an unseen joint is inferred from the past before it is lost
 };
@@ -17,7 +17,7 @@ struct JointOptions {
 /// leaves cast for it (offsets from the surface point to the joint; Girshick et al. 2011), found by mean shift from
 /// several starts, the previous frame's joint among them. Votes count by the area of their pixel. A joint with too few
 /// votes is carried along with its neighbour in the body.
-/// Owns its memory. Deterministic. Thread-safe: no. Realtime-safe: estimate() yes, after reset().
+/// Owns its memory. Deterministic. Thread-safe: no. Realtime-safe: everything but the constructor.
 class JointEstimator {
  public:
   explicit JointEstimator(const JointOptions& options = {});
@@ -25,8 +25,8 @@ class JointEstimator {
   JointEstimator(JointEstimator&&) noexcept;
   JointEstimator& operator=(JointEstimator&&) noexcept;
 
-  /// Forgets the past (a new user) and takes memory for images of this size.
-  void reset(const Intrinsics& intrinsics);
+  /// Forgets the past: a new user.
+  void reset() noexcept;
 
   /// With no pixels every joint is lost, at its last position.
   void estimate(const PartVotes& votes, Skeleton& out) noexcept;

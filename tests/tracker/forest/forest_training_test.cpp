@@ -1,0 +1,133 @@
+#include <filesystem>
+#include <stop_token>
+
+#include <gtest/gtest.h>
+
+#include "tests/tracker/forest/paper_doll.h"
+#include "tracker/forest/split_search.h"
+#include "tracker/forest/trainer.h"
+#include "tracker/forest/training_set.h"
+
+namespace armature {
+namespace {
+
+std::filesystem::path fresh_folder(const char* name) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / name;
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+std::vector<std::byte> train(const TrainingOptions& options, std::stop_token stop = {},
+                             const std::function<void(double)>& progress = {}) {
+  const auto forest = train_forest(options, paper_images(), progress, std::move(stop));
+  return forest ? forest->serialize() : std::vector<std::byte>{};
+}
+
+TEST(ForestTraining, OneThreadAndTwoGrowTheSameTrees) {
+  auto options = paper_training();
+  const auto one = train(options);
+  options.threads = 2;
+  const auto two = train(options);
+  ASSERT_FALSE(one.empty());
+  EXPECT_EQ(one, two);
+}
+
+TEST(ForestTraining, AnInterruptedRunThatIsResumedGrowsTheSameTrees) {
+  auto options = paper_training();
+  const auto whole = train(options);
+  options.checkpoint = fresh_folder("forest_training_resume") / "run.checkpoint";
+  for (const double stop_at : {0.1, 0.5, 0.9}) {
+    options.resume = false;
+    std::stop_source stop;
+    const auto broken = train(options, stop.get_token(), [&](double fraction) {
+      if (fraction >= stop_at) stop.request_stop();
+    });
+    EXPECT_TRUE(broken.empty()) << "stopped at " << stop_at;
+    // As if it had been killed in the middle of writing a record.
+    std::filesystem::resize_file(options.checkpoint, std::filesystem::file_size(options.checkpoint) - 3);
+    if (stop_at < 0.3) continue;  // that cut the settings: nothing to resume from
+    options.resume = true;
+    EXPECT_EQ(train(options), whole) << "stopped at " << stop_at;
+    EXPECT_FALSE(std::filesystem::exists(options.checkpoint));
+  }
+}
+
+TEST(ForestTraining, ACheckpointOfOtherOptionsIsRefused) {
+  auto options = paper_training();
+  options.checkpoint = fresh_folder("forest_training_other") / "run.checkpoint";
+  std::stop_source stop;
+  (void)train(options, stop.get_token(), [&](double fraction) {
+    if (fraction > 0.5) stop.request_stop();
+  });
+  options.resume = true;
+  options.seed = 6;
+  const auto forest = train_forest(options, paper_images(), {}, {});
+  ASSERT_FALSE(forest.has_value());
+  EXPECT_EQ(
+      forest.error().message,
+      options.checkpoint.string() + ": the checkpoint of a training run with other options; train without --resume");
+}
+
+TEST(ForestTraining, AStopIsAnErrorThatSaysHowToGoOn) {
+  auto options = paper_training();
+  options.checkpoint = fresh_folder("forest_training_stop") / "run.checkpoint";
+  std::stop_source stop;
+  stop.request_stop();
+  const auto forest = train_forest(options, paper_images(), {}, stop.get_token());
+  ASSERT_FALSE(forest.has_value());
+  EXPECT_EQ(forest.error().message, "training was interrupted; --resume goes on from " + options.checkpoint.string());
+}
+
+TEST(ForestTraining, OptionsOutOfRangeAndImagesOfNobodyAreErrors) {
+  auto options = paper_training();
+  options.max_depth = 29;
+  auto forest = train_forest(options, paper_images(), {}, {});
+  ASSERT_FALSE(forest.has_value());
+  EXPECT_EQ(forest.error().message, "training: the depth is 29, expected 0 to 28");
+
+  options = paper_training();
+  const auto nobody = [](int) {
+    TrainingImage image;
+    image.intrinsics = qvga();
+    image.depth_mm.assign(320 * 240, 0);
+    image.part_of_pixel.assign(320 * 240, kNoPart);
+    return image;
+  };
+  forest = train_forest(options, nobody, {}, {});
+  ASSERT_FALSE(forest.has_value());
+  EXPECT_EQ(forest.error().message, "training: no image shows a pixel of a person");
+}
+
+TEST(ForestTraining, ASplitSeparatesTwoHalvesThatOneFeatureTellsApart) {
+  // A board whose upper half is one part and whose lower half another.
+  TrainingImage image = paper_image({}, qvga());
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      const auto pixel = static_cast<std::size_t>(v * 320 + u);
+      const bool inside = u >= 100 && u < 200 && v >= 60 && v < 160;
+      image.depth_mm[pixel] = inside ? 2000 : 0;
+      image.part_of_pixel[pixel] = !inside ? kNoPart : static_cast<std::uint8_t>(v < 110 ? 4 : 7);
+    }
+  }
+  auto options = paper_training();
+  options.features_per_node = 2000;
+  const std::vector<TrainingPerson> persons = {cut_out_person(image)};
+  std::vector<TrainingSample> samples;
+  draw_samples(image, persons[0], 0, 1000, 3, samples);
+  ASSERT_EQ(samples.size(), 1000U);
+  SplitSearch search(options);
+  const auto split = search.find(persons, samples, TrainingRandom(9));
+  ASSERT_TRUE(split.has_value());
+  int wrong = 0;
+  for (const TrainingSample& sample : samples) {
+    const ProbeScale scale = probe_scale(persons[0].focal, 2000);
+    const bool right = part_feature(persons[0].image(), sample.u, sample.v, scale, *split) >= split->threshold_mm;
+    if (right != (sample.part == 7)) ++wrong;
+  }
+  // Either side may be the right one; a probe that reaches past the edge finds the border to within a few pixels.
+  EXPECT_LE(std::min(wrong, 1000 - wrong), 40);
+}
+
+}  // namespace
+}  // namespace armature

@@ -1,0 +1,165 @@
+#include "tracker/joints/joint_estimator.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "tests/tracker/forest/paper_doll.h"
+#include "tracker/joints/vote_cloud.h"
+
+namespace {
+std::atomic<long> allocations = 0;
+}
+
+// Counted, so that a test can show that a frame allocates nothing.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace armature {
+namespace {
+
+class PaperTracker {
+ public:
+  explicit PaperTracker(const Intrinsics& intrinsics) : classifier_(forest()) { classifier_.reset(intrinsics); }
+  Skeleton track(const TrainingImage& image, std::span<const std::uint8_t> mask) {
+    Skeleton skeleton;
+    estimator_.estimate(
+        classifier_.classify({.depth_mm = image.depth_mm, .intrinsics = image.intrinsics, .sensor = {}, .host = {}},
+                             mask, 1),
+        skeleton);
+    return skeleton;
+  }
+  Skeleton track(const PaperDoll& doll) {
+    const TrainingImage image = paper_image(doll, qvga());
+    return track(image, user_mask(image));
+  }
+  JointEstimator& estimator() { return estimator_; }
+
+ private:
+  static std::shared_ptr<const Forest> forest() {
+    static const auto trained = std::make_shared<const Forest>(*train_forest(paper_training(), paper_images(), {}, {}));
+    return trained;
+  }
+  PartClassifier classifier_;
+  JointEstimator estimator_;
+};
+
+constexpr std::array kPaperJoints = {JointId::Head,     JointId::Neck,      JointId::LeftThigh, JointId::RightThigh,
+                                     JointId::LeftFoot, JointId::RightFoot, JointId::Waist};
+
+TEST(JointEstimator, FindsTheJointsOfAPaperDollWithinThreeCentimetres) {
+  PaperTracker tracker(qvga());
+  for (int i = 2000; i < 2010; ++i) {
+    const PaperDoll doll = paper_doll(i);
+    tracker.estimator().reset();
+    const Skeleton skeleton = tracker.track(doll);
+    for (const JointId joint : kPaperJoints) {
+      EXPECT_EQ(skeleton[joint].state, JointState::Observed) << kJointNames[index(joint)] << " of doll " << i;
+      EXPECT_LT((skeleton[joint].position - paper_joint(doll, joint)).norm(), 0.03F)
+          << kJointNames[index(joint)] << " of doll " << i;
+      EXPECT_GT(skeleton[joint].confidence, 0.25F);
+      EXPECT_LE(skeleton[joint].confidence, 1.0F);
+    }
+  }
+}
+
+TEST(JointEstimator, TheUserPositionIsTheMiddleOfTheTorsoWhateverTheArmsDo) {
+  PaperTracker tracker(qvga());
+  const PaperDoll doll{.x_m = 0.2F, .top_m = -0.8F, .z_m = 2.6F};
+  const Skeleton skeleton = tracker.track(doll);
+  EXPECT_NEAR(skeleton.user_position.x(), 0.2F, 0.02F);
+  EXPECT_NEAR(skeleton.user_position.y(), -0.8F + 0.56F, 0.04F);
+  EXPECT_NEAR(skeleton.user_position.z(), 2.6F, 0.001F);
+}
+
+TEST(JointEstimator, AJointThatIsHiddenMovesAlongWithItsNeighbourUntilItIsLost) {
+  const auto leaf_for = [](JointId joint) {
+    Leaf leaf;
+    leaf.votes[0].joint = static_cast<std::uint8_t>(index(joint));
+    return leaf;
+  };
+  const Leaf knee = leaf_for(JointId::LeftKnee);
+  const Leaf ankle = leaf_for(JointId::LeftAnkle);
+  const auto pixel = [](const Leaf& leaf, float x, float y) {
+    return ClassifiedPixel{.point = {x, y, 2}, .area_m2 = 0.01F, .leaves = {&leaf}};
+  };
+  JointEstimator estimator({.hold_frames = 2});
+  Skeleton skeleton;
+  const std::array both = {pixel(knee, 0, 0.2F), pixel(ankle, 0.05F, 0.6F)};
+  estimator.estimate({both}, skeleton);
+  EXPECT_EQ(skeleton[JointId::LeftAnkle].state, JointState::Observed);
+
+  const std::array moved = {pixel(knee, 0.1F, 0.2F)};
+  for (int frame = 0; frame < 2; ++frame) {
+    estimator.estimate({moved}, skeleton);
+    EXPECT_EQ(skeleton[JointId::LeftKnee].state, JointState::Observed);
+    EXPECT_EQ(skeleton[JointId::LeftAnkle].state, JointState::Inferred);
+    EXPECT_EQ(skeleton[JointId::LeftAnkle].confidence, 0.0F);
+    EXPECT_LT((skeleton[JointId::LeftAnkle].position - Eigen::Vector3f(0.15F, 0.6F, 2)).norm(), 0.001F);
+  }
+  estimator.estimate({moved}, skeleton);
+  EXPECT_EQ(skeleton[JointId::LeftAnkle].state, JointState::Lost);
+}
+
+TEST(JointEstimator, WithNobodyThereEveryJointIsLostWhereItWas) {
+  PaperTracker tracker(qvga());
+  const PaperDoll doll;
+  const Skeleton before = tracker.track(doll);
+  const TrainingImage image = paper_image(doll, qvga());
+  const std::vector<std::uint8_t> nobody(image.depth_mm.size(), 0);
+  const Skeleton after = tracker.track(image, nobody);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_EQ(after.joints[j].state, JointState::Lost);
+    EXPECT_EQ(after.joints[j].confidence, 0.0F);
+    EXPECT_EQ(after.joints[j].position, before.joints[j].position);
+  }
+}
+
+TEST(JointEstimator, TheSameFramesGiveTheSameJointsAfterAReset) {
+  PaperTracker tracker(qvga());
+  const Skeleton first = tracker.track(paper_doll(1));
+  (void)tracker.track(paper_doll(2));
+  tracker.estimator().reset();
+  const Skeleton again = tracker.track(paper_doll(1));
+  for (std::size_t j = 0; j < kJointCount; ++j) EXPECT_EQ(first.joints[j].position, again.joints[j].position);
+}
+
+TEST(JointEstimator, AFrameAllocatesNothing) {
+  PaperTracker tracker(qvga());
+  const TrainingImage image = paper_image(paper_doll(3), qvga());
+  const auto mask = user_mask(image);
+  (void)tracker.track(image, mask);
+  const long before = allocations;
+  for (int i = 0; i < 3; ++i) (void)tracker.track(image, mask);
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(VoteCloud, MeanShiftClimbsToTheNearestModeAndLeavesTheOtherAlone) {
+  VoteCloud cloud(100);
+  for (int i = -5; i <= 5; ++i) {
+    cloud.add({0.01F * static_cast<float>(i), 0, 2}, 1);
+    cloud.add({1 + 0.01F * static_cast<float>(i), 0, 2}, 2);
+  }
+  cloud.finish();
+  const VoteMode near = cloud.mode_near({0.08F, 0.02F, 2}, 0.2F, 30);
+  EXPECT_LT((near.position - Eigen::Vector3f(0, 0, 2)).norm(), 0.002F);
+  const VoteMode far = cloud.mode_near({0.9F, 0, 2}, 0.2F, 30);
+  EXPECT_LT((far.position - Eigen::Vector3f(1, 0, 2)).norm(), 0.002F);
+  EXPECT_NEAR(far.mass, 2 * near.mass, 0.1F);
+  EXPECT_NEAR(cloud.total_weight(), 33, 1e-4);
+  EXPECT_EQ(cloud.mode_near({5, 5, 5}, 0.2F, 30).mass, 0);
+}
+
+}  // namespace
+}  // namespace armature
