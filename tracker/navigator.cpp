@@ -39,31 +39,35 @@ const Navigation& Navigator::stop() noexcept {
   return out_;
 }
 
-const Navigation& Navigator::process(const Skeleton& skeleton, const Eigen::Vector3f& up,
-                                     std::chrono::nanoseconds time) noexcept {
+void Navigator::measure(const Skeleton& skeleton, const Eigen::Vector3f& up, std::chrono::nanoseconds time) noexcept {
   if (last_time_ && (time <= *last_time_ || time - *last_time_ > kForgetAfter)) stop();
-  const auto dt = last_time_ ? time - *last_time_ : kFirstStep;
+  dt_ = last_time_ ? time - *last_time_ : kFirstStep;
   last_time_ = time;
 
   rest_.observe(skeleton, up, time);
-  if (!rest_.rest()) return out_;
+  if (!rest_.rest()) return;
 
-  const PerMotion<MotionReading>& readings = meter_.measure(skeleton, *rest_.rest(), dt);
+  const PerMotion<MotionReading>& readings = meter_.measure(skeleton, *rest_.rest(), dt_);
   for (std::size_t m = 0; m < kMotionCount; ++m) {
-    const MotionReading& reading = readings[m];
+    out_.motions[m].angle_rad = readings[m].angle_rad;
+    out_.motions[m].normalized = readings[m].normalized;
+    out_.motions[m].confidence = readings[m].confidence;
+  }
+}
+
+const Navigation& Navigator::drive() noexcept {
+  if (!rest_.rest()) return out_;
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
     MotionOutput& motion = out_.motions[m];
-    motion.angle_rad = reading.angle_rad;
-    motion.normalized = reading.normalized;
-    motion.confidence = reading.confidence;
     motion.dead_zone = dead_zone(options_.transfer[m].alpha, rest_.sigma_rad()[m] / options_.motions.range_rad[m]);
-    motion.shaped = shapes_[m].shape(reading.normalized, motion.dead_zone, options_.transfer[m].beta);
+    motion.shaped = shapes_[m].shape(motion.normalized, motion.dead_zone, options_.transfer[m].beta);
   }
   const MotionOutput& walking = out_.motions[index(options_.pair.walk)];
   const MotionOutput& turning = out_.motions[index(options_.pair.turn)];
   out_.walk = walking.shaped;
   out_.turn = turning.shaped;
   out_.too_noisy = walking.dead_zone > kMaxDeadZone || turning.dead_zone > kMaxDeadZone;
-  out_.velocity = actuator_.drive(out_.walk, out_.turn, dt);
+  out_.velocity = actuator_.drive(out_.walk, out_.turn, dt_);
   return out_;
 }
 

@@ -48,9 +48,17 @@ class Navigator {
   /// Another user, or the same one wants a new rest pose.
   void start_over() noexcept;
 
-  /// A frame in which the user was tracked. `up` is the floor's normal, camera frame.
+  /// A frame in which the user was tracked: measure(), then drive(). `up` is the floor's normal, camera frame.
   const Navigation& process(const Skeleton& skeleton, const Eigen::Vector3f& up,
-                            std::chrono::nanoseconds time) noexcept;
+                            std::chrono::nanoseconds time) noexcept {
+    measure(skeleton, up, time);
+    return drive();
+  }
+
+  /// The first half: rest pose and motion receptors.
+  void measure(const Skeleton& skeleton, const Eigen::Vector3f& up, std::chrono::nanoseconds time) noexcept;
+  /// The second half: transfer functions and actuator.
+  const Navigation& drive() noexcept;
 
   /// A frame in which she was not: the camera stops at once.
   const Navigation& stop() noexcept;
@@ -65,6 +73,7 @@ class Navigator {
   PerMotion<ShapedMotion> shapes_;
   Actuator actuator_;
   std::optional<std::chrono::nanoseconds> last_time_;
+  std::chrono::nanoseconds dt_{0};  // between the last two tracked frames
   RestOptions rest_options_;
   Navigation out_;
 };

@@ -7,11 +7,13 @@ namespace {
 class StageTimer {
  public:
   StageTimer(const Clock& clock, std::array<std::chrono::nanoseconds, kStageCount>& times) noexcept
-      : clock_(clock), times_(times), last_(clock.now()) {}
+      : clock_(clock), times_(times), last_(clock.now()) {
+    times_.fill(std::chrono::nanoseconds(0));
+  }
 
   void done(StageId stage) noexcept {
     const auto now = clock_.now();
-    times_[static_cast<std::size_t>(stage)] = now - last_;
+    times_[static_cast<std::size_t>(stage)] += now - last_;
     last_ = now;
   }
 
@@ -102,6 +104,8 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   StageTimer timer(*s.stage_clock, out.stage_time);
 
   const Segmentation& segmentation = s.segmenter.process(frame);
+  timer.done(StageId::Segmentation);
+
   const std::uint8_t last_user = s.engagement.user();
   const std::uint8_t visible_user = s.engagement.choose(segmentation.users, time);
   if (s.engagement.user_changed()) {
@@ -109,7 +113,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     if (visible_user != 0) s.say(TrackerEventKind::UserEntered, visible_user);
     s.start_over();
   }
-  timer.done(StageId::Segmentation);
+  timer.done(StageId::Engagement);
 
   out.tracking = false;
   if (visible_user != 0) {
@@ -118,14 +122,14 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     s.joints.estimate(votes, out.skeleton);
     out.tracking = tracked(out.skeleton);
     timer.done(StageId::Joints);
-  } else {
-    timer.done(StageId::Forest);
-    timer.done(StageId::Joints);
   }
 
   const bool rest_was_known = s.navigator.rest().rest().has_value();
   if (out.tracking) {
-    out.navigation = s.navigator.process(out.skeleton, segmentation.up, time);
+    s.navigator.measure(out.skeleton, segmentation.up, time);
+    timer.done(StageId::Motions);
+    out.navigation = s.navigator.drive();
+    timer.done(StageId::Transfer);
   } else {
     out.skeleton = Skeleton{};
     out.navigation = s.navigator.stop();
@@ -158,13 +162,11 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   }
   out.events = {s.events.data(), s.event_count};
   out.user_of_pixel = segmentation.user_of_pixel;
-  timer.done(StageId::Motions);
+  timer.done(StageId::Engagement);
   return out;
 }
 
-void Pipeline::capture_rest() noexcept {
-  state_->navigator.start_over();
-}
+void Pipeline::capture_rest() noexcept { state_->navigator.start_over(); }
 
 void Pipeline::set_navigation(const NavigationOptions& options) noexcept { state_->navigator.set_options(options); }
 

@@ -27,10 +27,11 @@ struct TrackerOptions {
   EngagementOptions engagement;
 };
 
-enum class StageId : std::uint8_t { Segmentation, Forest, Joints, Motions };
-inline constexpr int kStageCount = 4;
-inline constexpr std::array<std::string_view, kStageCount> kStageNames = {"segmentation", "forest", "joints",
-                                                                          "motions"};
+/// In the order in which a frame walks through them; engagement is what is left: who steers, and what to say of it.
+enum class StageId : std::uint8_t { Segmentation, Forest, Joints, Motions, Transfer, Engagement };
+inline constexpr int kStageCount = 6;
+inline constexpr std::array<std::string_view, kStageCount> kStageNames = {"segmentation", "forest",   "joints",
+                                                                          "motions",      "transfer", "engagement"};
 
 enum class TrackerEventKind : std::uint8_t {
   UserEntered, UserLeft, RestCaptured, Engaged, TrackingLost, TrackingRegained, MotionTooNoisy,

@@ -23,7 +23,7 @@ struct RestOptions {
   int first_frames = 10;                      ///< Auto: frames of the provisional rest. First: all of it
   float still_spread_m = 0.030F;  ///< a joint counts as still below this standard deviation at 2 m; grows with distance
   float still_drift_m = 0.025F;   ///< and below this difference between the means of both halves of the window
-  std::optional<RestPose> fixed;  ///< Fixed: the pose
+  std::optional<RestPose> fixed{}; ///< Fixed: the pose
 };
 
 /// Watches a tracked skeleton until it knows the rest pose and, per motion, how noisy the filtered angle is there.
