@@ -9,7 +9,9 @@ namespace {
 
 using namespace armature::tools;
 
-void add_commands([[maybe_unused]] CLI::App& app, [[maybe_unused]] Run& run) {}
+void add_commands(CLI::App& app, Run& run) {
+  add_listen(app, run);
+}
 
 int run_command(int argc, char** argv) {
   CLI::App app{"Bodies and shapes, steered by hand.\nEvery subcommand explains itself: armature SUBCOMMAND --help",
