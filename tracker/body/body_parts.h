@@ -39,6 +39,12 @@ inline constexpr std::uint8_t kNoPart = 255;  ///< a pixel of no person
 [[nodiscard]] constexpr std::size_t index(JointId joint) noexcept { return static_cast<std::size_t>(joint); }
 [[nodiscard]] constexpr std::size_t index(PartLabel part) noexcept { return static_cast<std::size_t>(part); }
 
+/// The parts whose visible pixels' centre of mass is the user position P: clavicles, waist and hips of both sides.
+[[nodiscard]] constexpr bool is_torso(PartLabel part) noexcept {
+  return part == PartLabel::LeftClavicle || part == PartLabel::LeftWaist || part == PartLabel::LeftHip ||
+         part == PartLabel::RightClavicle || part == PartLabel::RightWaist || part == PartLabel::RightHip;
+}
+
 /// The same joint or part of the other side of the body; those on the midline map to themselves.
 [[nodiscard]] constexpr JointId mirrored(JointId joint) noexcept {
   const auto i = static_cast<int>(joint);

@@ -35,6 +35,31 @@ Pose limited(const Pose& pose, const PoseLimits& limits) noexcept {
   return out;
 }
 
+Pose blended(const Pose& a, const Pose& b, double share) noexcept {
+  const auto mix = [share](const auto& from, const auto& to) { return from + share * (to - from); };
+  const auto vector = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) -> Eigen::Vector3d {
+    return from + share * (to - from);
+  };
+  const auto turns = [&](const Turns& from, const Turns& to) {
+    return Turns{mix(from.turn, to.turn), mix(from.bend, to.bend), mix(from.lean, to.lean)};
+  };
+  Pose out;
+  out.pelvis = vector(a.pelvis, b.pelvis);
+  out.pelvis_turns = turns(a.pelvis_turns, b.pelvis_turns);
+  out.spine = turns(a.spine, b.spine);
+  out.neck = turns(a.neck, b.neck);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ArmPose &aa = a.arms[i], &ba = b.arms[i];
+    out.arms[i] = {vector(aa.wrist, ba.wrist), mix(aa.elbow_swivel, ba.elbow_swivel), mix(aa.hangs, ba.hangs),
+                   mix(aa.wrist_flex, ba.wrist_flex)};
+    out.shrug[i] = mix(a.shrug[i], b.shrug[i]);
+    const FootPose &af = a.feet[i], &bf = b.feet[i];
+    out.feet[i] = {vector(af.ball, bf.ball), mix(af.turn, bf.turn), mix(af.pitch, bf.pitch),
+                   mix(af.knee_out, bf.knee_out)};
+  }
+  return out;
+}
+
 Pose mirrored(const Pose& pose) noexcept {
   Pose out = pose;
   out.pelvis.x() = -out.pelvis.x();

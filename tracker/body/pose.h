@@ -73,6 +73,9 @@ inline constexpr double kSpineBackward = -0.6;
 /// The pose within the limits.
 [[nodiscard]] Pose limited(const Pose& pose, const PoseLimits& limits = {}) noexcept;
 
+/// Every number of the pose between those of `a` (share 0) and `b` (share 1).
+[[nodiscard]] Pose blended(const Pose& a, const Pose& b, double share) noexcept;
+
 /// The pose reflected in the plane between left and right.
 [[nodiscard]] Pose mirrored(const Pose& pose) noexcept;
 
