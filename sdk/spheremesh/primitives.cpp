@@ -1,8 +1,8 @@
-#include "armature/sdk/spheremesh/primitives.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <armature/sdk/spheremesh/primitives.h>
 
 namespace armature::sdk {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <armature/sdk/spheremesh/primitives.h>
 
-#include "armature/sdk/spheremesh/primitives.h"
 #include "tracker/body/kinematics.h"
 
 namespace armature {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "armature/sdk/spheremesh/primitives.h"
+#include <armature/sdk/spheremesh/primitives.h>
 
 namespace armature {
 namespace {
