@@ -14,6 +14,8 @@
 namespace armature::navproto {
 namespace {
 
+constexpr const char* kSuffix = ".lock";
+
 tl::unexpected<Error> in_use(const std::string& endpoint) {
   return fail(endpoint + ": already in use; stop the program that has it or choose another endpoint");
 }
@@ -62,13 +64,13 @@ Expected<EndpointLock> EndpointLock::take(const std::string& endpoint) {
   // An abstract name has no file: the kernel itself refuses a second bind.
   if (path.starts_with('@')) return EndpointLock{};
 
-  const std::string lock_path = path + ".lock";
+  const std::string lock_path = path + kSuffix;
   for (;;) {
     const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0) return refuse(endpoint, errno);
-    EndpointLock lock(descriptor, lock_path);
+    EndpointLock lock(descriptor, path);
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      lock.path_.clear();  // the file is its holder's to remove
+      lock.path_.clear();  // the files are their holder's to remove
       if (errno == EWOULDBLOCK) return in_use(endpoint);
       return refuse(endpoint, errno);
     }
@@ -81,14 +83,22 @@ Expected<EndpointLock> EndpointLock::take(const std::string& endpoint) {
       lock.path_.clear();
       continue;
     }
-    if (const auto cleared = clear(endpoint, path); !cleared) return tl::unexpected(cleared.error());
+    if (const auto cleared = clear(endpoint, path); !cleared) {
+      ::unlink(lock_path.c_str());
+      lock.path_.clear();  // what stands at the path is not ours
+      return tl::unexpected(cleared.error());
+    }
     return lock;
   }
 }
 
 EndpointLock::~EndpointLock() {
   if (descriptor_ < 0) return;
-  if (!path_.empty()) ::unlink(path_.c_str());
+  if (!path_.empty()) {
+    // ZeroMQ leaves the socket's file behind. It is ours to remove while the lock is held, and before it goes.
+    ::unlink(path_.c_str());
+    ::unlink((path_ + kSuffix).c_str());
+  }
   ::close(descriptor_);
 }
 

@@ -9,7 +9,8 @@ namespace armature::navproto {
 
 /// The right to bind an ipc endpoint. ZeroMQ's bind unlinks whatever file stands at the path, a live peer's socket
 /// included; so a lock file beside it (`PATH.lock`, flock) says who is alive. The kernel drops the lock with its
-/// process: what a killed publisher leaves is in nobody's way. Other transports need no lock and get an empty one.
+/// process: what a killed publisher leaves is in nobody's way. Gone, it takes the socket's file and its own along.
+/// Other transports need no lock and get an empty one.
 class EndpointLock {
  public:
   /// Fails where a live program holds the endpoint or something other than a socket stands at its path. A dead
@@ -24,7 +25,7 @@ class EndpointLock {
  private:
   EndpointLock(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
   int descriptor_ = -1;
-  std::string path_;
+  std::string path_;  // of the socket; empty where no file is ours
 };
 
 }  // namespace armature::navproto

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include <armature/navproto/header.h>
 #include <armature/navproto/vocabulary.h>
 
 // What a publisher says, as plain values. Units, frames and signs are those of schema/armature.fbs: metres, radians,
@@ -12,16 +13,10 @@
 
 namespace armature::navproto {
 
-/// Filled in by the publisher when it sends.
-struct Header {
-  std::uint64_t session_id = 0;      ///< drawn anew each time a publisher starts
-  std::uint64_t sequence = 0;        ///< counts up by one a message of this topic, from 1
-  std::chrono::nanoseconds sent{0};  ///< when this copy was sent, by the publisher's monotonic clock
-  bool replayed = false;             ///< the last state, sent again because somebody has just subscribed
-};
-
 struct Vec3 {
   float x = 0, y = 0, z = 0;
+
+  friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
 /// The two speeds that section 3.4.3 hands to Move() and Rotate().
@@ -37,64 +32,65 @@ struct MotionValue {
   float normalised = 0;  ///< [-1, 1], angle over range
   float shaped = 0;      ///< [-1, 1], after the transfer function
   float confidence = 0;  ///< [0, 1]
+
+  friend bool operator==(const MotionValue&, const MotionValue&) = default;
 };
 
 struct JointValue {
-  Vec3 position;         ///< camera frame, metres
+  Vec3 position{};       ///< camera frame, metres
   float confidence = 0;  ///< [0, 1]
   JointState state = JointState::Lost;
-};
 
-/// When the frame behind a message was measured, received and done with.
-struct FrameTimes {
-  std::uint64_t frame = 0;             ///< the sensor's sequence number
-  std::chrono::nanoseconds sensor{0};  ///< by sensor_clock
-  SensorClock sensor_clock = SensorClock::HostMonotonic;
-  std::chrono::nanoseconds received{0};   ///< by the publisher's monotonic clock, as is published
-  std::chrono::nanoseconds published{0};  ///< filled in by the publisher
+  friend bool operator==(const JointValue&, const JointValue&) = default;
 };
 
 struct NavigationMessage {
-  Header header;
-  FrameTimes times;
+  Header header{};
+  FrameTimes times{};
   std::uint32_t user_id = 0;  ///< 0 = nobody
   Engagement engagement = Engagement::NoUser;
   StopReason stop_reason = StopReason::None;
-  Velocity velocity;
+  Velocity velocity{};
   float walk = 0;  ///< [-1, 1], what the linear velocity is driven by
   float turn = 0;  ///< [-1, 1], what the angular velocity is driven by
   MotionId walk_motion = MotionId::BendKnees;
   MotionId turn_motion = MotionId::LeanBust;
   std::array<MotionValue, kMotionCount> motions{};  ///< by MotionId
   std::array<float, kStageCount> stage_us{};        ///< by Stage, microseconds
+
+  friend bool operator==(const NavigationMessage&, const NavigationMessage&) = default;
 };
 
 struct SkeletonMessage {
-  Header header;
-  FrameTimes times;
+  Header header{};
+  FrameTimes times{};
   std::uint32_t user_id = 0;
   bool tracking = false;                         ///< a skeleton is there; if not, the joints are the last known ones
   std::array<JointValue, kJointCount> joints{};  ///< by JointId
-  Vec3 user_position;                            ///< centre of mass of the torso's visible pixels, camera frame
+  Vec3 user_position{};                          ///< centre of mass of the torso's visible pixels, camera frame
   Vec3 user_up{0, -1, 0};  ///< the frame in which motions are measured, unit vectors in the camera frame
   Vec3 user_left{1, 0, 0};
   Vec3 user_forward{0, 0, -1};
+
+  friend bool operator==(const SkeletonMessage&, const SkeletonMessage&) = default;
 };
 
 struct EventMessage {
-  Header header;
+  Header header{};
   EventKind kind = EventKind::Warning;
   std::chrono::nanoseconds time{0};  ///< by the publisher's monotonic clock
   std::uint32_t user_id = 0;         ///< 0 = about nobody
-  std::string text;                  ///< one line for a human being, at most 1024 bytes
+  std::string text{};                ///< one line for a human being, at most 1024 bytes
+
+  friend bool operator==(const EventMessage&, const EventMessage&) = default;
 };
 
 struct HealthMessage {
-  Header header;
+  Header header{};
   std::chrono::nanoseconds time{0};  ///< by the publisher's monotonic clock
   double uptime_s = 0;
-  std::string version;
-  std::string source;  ///< its URI
+  std::string version{};
+  std::string source{};  ///< its URI
   bool source_alive = false;
   std::uint64_t frames_received = 0;
   std::uint64_t frames_dropped = 0;  ///< replaced by a newer one before the tracker took them
@@ -103,6 +99,8 @@ struct HealthMessage {
   float latency_p50_us = 0;  ///< frame received to message handed to the socket, over the last seconds
   float latency_p99_us = 0;
   std::uint64_t resident_bytes = 0;
+
+  friend bool operator==(const HealthMessage&, const HealthMessage&) = default;
 };
 
 }  // namespace armature::navproto
