@@ -10,7 +10,9 @@ namespace {
 using namespace armature::tools;
 
 void add_commands(CLI::App& app, Run& run) {
+  add_import(app, run);
   add_listen(app, run);
+  add_record(app, run);
 }
 
 int run_command(int argc, char** argv) {

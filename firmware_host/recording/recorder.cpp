@@ -259,7 +259,10 @@ Expected<std::uint64_t> write_recording(const std::filesystem::path& path, Depth
   std::uint64_t count = 0;
   std::chrono::nanoseconds first_time{0};
   while (!options.max_frames || count < *options.max_frames) {
-    if (options.stop && options.stop()) break;
+    if (options.stop.stop_requested()) {
+      if (!options.keep_when_stopped) return fail(path.string() + ": interrupted: nothing was written");
+      break;
+    }
     const auto status = source.read(frame, 100ms);
     if (!status) return tl::unexpected(status.error());
     if (*status == ReadStatus::EndOfStream) break;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 
 #include "firmware_host/depth_frame.h"
 #include "firmware_host/depth_source.h"
@@ -41,13 +42,14 @@ class Recorder {
   std::unique_ptr<State> state_;
 };
 
-/// Frames until the first of: the end of the source, `max_frames`, `max_duration` of the frames' own time, stop()
-/// saying true. `progress` hears the number of frames written so far.
+/// Frames until the first of: the end of the source, `max_frames`, `max_duration` of the frames' own time, `stop`
+/// saying so; then the recording is kept only when `keep_when_stopped`. `progress` hears the number of frames so far.
 struct WriteRecordingOptions {
-  std::optional<std::uint64_t> max_frames;
-  std::optional<std::chrono::nanoseconds> max_duration;
-  std::function<bool()> stop;
-  std::function<void(std::uint64_t frames)> progress;
+  std::optional<std::uint64_t> max_frames = {};
+  std::optional<std::chrono::nanoseconds> max_duration = {};
+  std::stop_token stop = {};
+  bool keep_when_stopped = true;
+  std::function<void(std::uint64_t frames)> progress = {};
 };
 
 /// Records `source` at `path`; the number of frames. A source without a single frame is an error, and nothing is left.

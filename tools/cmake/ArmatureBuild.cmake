@@ -70,6 +70,11 @@ function(armature_test name)
   add_test(NAME ${name} COMMAND ${name}_test)
   set_tests_properties(${name} PROPERTIES WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" TIMEOUT ${arg_TIMEOUT}
     SKIP_RETURN_CODE 77)
+  if(ARMATURE_SANITIZE)
+    # What other people's libraries do is not for us to mend.
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT
+      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.txt")
+  endif()
 endfunction()
 
 # armature_fuzzer(NAME SOURCES a.cpp... LIBS lib...)
