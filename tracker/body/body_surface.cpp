@@ -31,7 +31,7 @@ constexpr std::array<TorsoSlice, 6> kTorso = {{
     {0.35, 0.065, 0.105, 0.005},
     {0.68, 0.072, 0.110, 0.005},
     {0.90, 0.105, 0.076, -0.005},
-    {1.00, 0.090, 0.058, -0.010},
+    {1.00, 0.098, 0.062, -0.010},
 }};
 constexpr double kSliceDistance = 0.028;
 /// Below the first share a slice is hip, below the second waist, above clavicle.
@@ -172,21 +172,21 @@ class SurfaceBuilder {
     cut.band_count = 2;
     cut.bands[0] = {0.005 * k, label(PartLabel::HeadLeft), label(PartLabel::HeadRight)};
     cut.bands[1] = {1e9, label(PartLabel::HeadTopLeft), label(PartLabel::HeadTopRight)};
-    add(centre + 0.012 * k * forward, 0.075 * k, centre - 0.020 * k * forward + 0.004 * k * up, 0.076 * k, cut);
-    add(jaw, 0.070 * k, chin, 0.046 * k, cut);
+    add(centre + 0.012 * k * forward, 0.078 * k, centre - 0.020 * k * forward + 0.004 * k * up, 0.079 * k, cut);
+    add(jaw, 0.074 * k, chin, 0.050 * k, cut);
     add(centre - 0.025 * k * up + 0.070 * k * forward, 0.022 * k, centre - 0.04 * k * up + 0.075 * k * forward,
         0.018 * k, cut);  // nose
     const double bulk = 0.5 * (shape_.bulk + k);
-    add(throat, 0.056 * bulk + 0.4 * outfit_.cloth, centre - 0.06 * k * up - 0.010 * k * forward, 0.050 * bulk,
+    add(throat, 0.076 * bulk + 0.5 * outfit_.cloth, centre - 0.06 * k * up - 0.010 * k * forward, 0.068 * bulk,
         whole(PartLabel::Neck));
     for (const Side side : {Side::Left, Side::Right}) {  // the slope from neck to shoulder
       const Vector3d shoulder = body_[on_side(JointId::LeftShoulder, side)];
-      add(throat + 0.02 * k * up, 0.040 * bulk + outfit_.cloth, 0.2 * throat + 0.8 * shoulder, thick(0.045),
+      add(throat + 0.02 * k * up, 0.048 * bulk + outfit_.cloth, 0.2 * throat + 0.8 * shoulder, thick(0.058),
           whole(on_side(PartLabel::LeftClavicle, side)));
     }
     if (outfit_.hair > 0) {
       const Vector3d back = centre - 0.022 * k * forward + 0.008 * k * up;
-      add(back, 0.077 * k + outfit_.hair, centre + 0.025 * k * up, 0.072 * k + outfit_.hair, cut, Material::Hair);
+      add(back, 0.080 * k + outfit_.hair, centre + 0.025 * k * up, 0.075 * k + outfit_.hair, cut, Material::Hair);
       if (outfit_.hair_length > 0) {
         const double radius = 0.055 * k + outfit_.hair;
         const Vector3d fall = -outfit_.hair_length * (0.6 * up + 0.4 * body_.chest.col(1));
@@ -230,7 +230,7 @@ class SurfaceBuilder {
     const Vector3d across = 0.018 * h * broad.cross(direction);
     add(wrist + 0.5 * across, 0.024 * h, knuckles + across, 0.024 * h, hand);
     add(wrist - 0.5 * across, 0.024 * h, knuckles - across, 0.024 * h, hand);
-    add(knuckles, 0.026 * h, knuckles + 0.075 * h * direction, 0.014 * h, hand);
+    add(knuckles, 0.026 * h, knuckles + 0.045 * h * direction, 0.014 * h, hand);
   }
 
   void leg(Side side) {

@@ -120,8 +120,8 @@ PosedBody pose_body(const BodyShape& shape, const Pose& pose) noexcept {
   PosedBody body;
   const auto at = [&](JointId joint) -> Vector3d& { return body.joints[index(joint)]; };
   body.pelvis = rotation(pose.pelvis_turns);
-  body.belly = body.pelvis * rotation(pose.spine, 0.5);
-  body.chest = body.pelvis * rotation(pose.spine);
+  body.belly = body.pelvis * rotation(pose.spine, 0.5) * turned_left(0.5 * pose.twist);
+  body.chest = body.pelvis * rotation(pose.spine) * turned_left(pose.twist);
   body.neck = body.chest * rotation(pose.neck, 0.5);
   body.head = body.chest * rotation(pose.neck);
 

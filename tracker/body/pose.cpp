@@ -23,6 +23,7 @@ Pose limited(const Pose& pose, const PoseLimits& limits) noexcept {
     turns.lean = std::clamp(turns.lean, -limit.lean, limit.lean);
   };
   clamp(out.spine, limits.spine, kSpineBackward);
+  out.twist = std::clamp(out.twist, -limits.spine.turn, limits.spine.turn);
   clamp(out.neck, limits.neck, -limits.neck.bend);
   for (ArmPose& arm : out.arms) {
     const double reach = arm.wrist.norm();
@@ -47,6 +48,7 @@ Pose blended(const Pose& a, const Pose& b, double share) noexcept {
   out.pelvis = vector(a.pelvis, b.pelvis);
   out.pelvis_turns = turns(a.pelvis_turns, b.pelvis_turns);
   out.spine = turns(a.spine, b.spine);
+  out.twist = mix(a.twist, b.twist);
   out.neck = turns(a.neck, b.neck);
   for (std::size_t i = 0; i < 2; ++i) {
     const ArmPose &aa = a.arms[i], &ba = b.arms[i];
@@ -67,6 +69,7 @@ Pose mirrored(const Pose& pose) noexcept {
     turns->turn = -turns->turn;
     turns->lean = -turns->lean;
   }
+  out.twist = -out.twist;
   std::swap(out.arms[0], out.arms[1]);
   std::swap(out.shrug[0], out.shrug[1]);
   std::swap(out.feet[0], out.feet[1]);

@@ -45,8 +45,9 @@ struct FootPose {
 struct Pose {
   Eigen::Vector3d pelvis{0, 0.92, 0};  ///< midpoint of the hip joints; lowered where the feet could not be reached
   Turns pelvis_turns;
-  Turns spine;  ///< chest against pelvis, spread over the spine
-  Turns neck;   ///< head against chest
+  Turns spine;       ///< chest against pelvis, spread over the spine
+  double twist = 0;  ///< of the spine about its own axis, before those: turns the shoulders without changing the axis
+  Turns neck;        ///< head against chest
   std::array<ArmPose, 2> arms;
   std::array<double, 2> shrug{};  ///< shoulder joints raised, metres
   std::array<FootPose, 2> feet;

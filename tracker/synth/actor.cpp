@@ -44,12 +44,13 @@ Actor::Actor(const Person& person, const ActorScript& script, const RigidTransfo
     : person_(person), script_(&script), where_(where) {
   Random random(seed);
   const BodyShape& shape = person_.shape;
-  resting_ = standing_pose(shape, random.uniform(1.15, 1.6), random.uniform(0.006, 0.010));
+  resting_ = standing_pose(shape, random.uniform(0.85, 1.5), random.uniform(0.006, 0.010));
   for (const Side side : {Side::Left, Side::Right}) {
     ArmPose& arm = resting_.arm(side);
     arm.wrist = {random.uniform(0.06, 0.16), -random.uniform(0.94, 0.98), random.uniform(0.0, 0.10)};
     arm.elbow_swivel = random.uniform(-0.1, 0.4);
     resting_.foot(side).turn = outward(side) * random.uniform(0.02, 0.25);
+    resting_.foot(side).knee_out = -0.8 * std::abs(resting_.foot(side).turn);  // knees bend straight ahead
     resting_.foot(side).ball.z() += random.uniform(-0.015, 0.015);
   }
   resting_.neck.bend = random.uniform(-0.05, 0.12);
@@ -141,7 +142,7 @@ Pose Actor::pose_at(double time_s) const {
     performance.amount = calibration.amount_for(value_at(track.keys, time_s));
     performance.leading = stepping_foot_;
     const double rate = (value_at(track.keys, time_s + 0.01) - value_at(track.keys, time_s - 0.01)) / 0.02;
-    performance.lift = std::min(0.05, 0.04 * std::abs(rate));
+    performance.lift = std::min(0.012, 0.012 * std::abs(rate));
     perform(track.motion, performance, person_.shape, pose);
   }
   add_arms(time_s, pose);

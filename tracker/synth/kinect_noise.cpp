@@ -14,8 +14,10 @@ constexpr float kEdge = 0.05F;
 /// none is left.
 constexpr float kGrazingFrom = 5;
 constexpr float kGrazingTo = 12;
-/// Share of the pixels beside a depth edge that have none.
-constexpr float kEdgeLost = 0.25F;
+/// Share of the pixels on the far side of a depth edge that have none.
+constexpr float kEdgeLost = 0.35F;
+/// Share of the jittered pixels of the near side that show the far side.
+constexpr float kRecedes = 0.35F;
 
 float unit_of(std::uint64_t bits) {
   return static_cast<float>(bits >> 40) * 0x1p-24F;
@@ -140,7 +142,10 @@ void KinectSensor::sense(const SurfaceImage& image, const SensorOptions& options
       const int jv =
           std::clamp(static_cast<int>(std::lround(static_cast<float>(v) + jitter * jitter_v_[pixel])), 0, k.height - 1);
       std::size_t source = static_cast<std::size_t>(jv) * width + static_cast<std::size_t>(ju);
-      if (std::abs(image.depth_m[source] - image.depth_m[pixel]) < kEdge) source = pixel;
+      const float farther = image.depth_m[source] - image.depth_m[pixel];
+      if (std::abs(farther) < kEdge) source = pixel;
+      // The sensor matches windows of the pattern: what is near spreads over what is far more often than it recedes.
+      if (farther >= kEdge && block_value(u, v, 1, seed ^ 0xFA77ULL) > kRecedes) source = pixel;
       out.source[pixel] = static_cast<std::uint32_t>(source);
 
       const float z = image.depth_m[source];
@@ -160,8 +165,9 @@ void KinectSensor::sense(const SurfaceImage& image, const SensorOptions& options
         const float dv = std::min(std::abs(down - z), std::abs(up - z));
         const float slope = std::sqrt(du * du + dv * dv) * static_cast<float>(k.focal_x_px) / z;
         const float lost = std::clamp((slope - kGrazingFrom) / (kGrazingTo - kGrazingFrom), 0.0F, 1.0F);
-        const bool ends = std::abs(right + left - 2 * z) > kEdge || std::abs(up + down - 2 * z) > kEdge;
-        if (block_value(u, v, edge_block, seed ^ 0xED6EULL) < std::max(lost, ends ? kEdgeLost : 0.0F)) continue;
+        const bool far_side = z - std::min({left, right, up, down}) > kEdge &&
+                              (std::abs(right + left - 2 * z) > kEdge || std::abs(up + down - 2 * z) > kEdge);
+        if (block_value(u, v, edge_block, seed ^ 0xED6EULL) < std::max(lost, far_side ? kEdgeLost : 0.0F)) continue;
       }
       if (image.material[source] == static_cast<std::uint8_t>(Material::Hair)) {
         const float missing =

@@ -10,7 +10,7 @@ namespace armature {
 /// How a Kinect v1 sees what an ideal camera sees.
 struct SensorOptions {
   double strength = 1;  ///< scales axial noise and jitter; 0: an ideal camera that still reports whole millimetres
-  double hair_missing = 0.35;  ///< share of the hair that reflects too little
+  double hair_missing = 0.22;  ///< share of the hair that reflects too little
   double projector_m = 0.075;  ///< the projector is this far to the camera's right: what it cannot light has no depth
   double nearest_m = 0.45;
   double farthest_m = 8;

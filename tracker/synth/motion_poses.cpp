@@ -1,6 +1,7 @@
 #include "tracker/synth/motion_poses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tracker/body/rotation.h"
@@ -26,19 +27,44 @@ double shortening(const BodyShape& shape, double forward) {
   return 2 * (half - std::sqrt(std::max(0.0, half * half - forward * forward)));
 }
 
+/// Where the ankle of a foot that stands flat is.
+Eigen::Vector3d standing_ankle(const BodyShape& shape, const FootPose& foot) {
+  return foot.ball + turned_left(foot.turn) * Eigen::Vector3d(0, shape.ankle_height, -shape.foot);
+}
+
+/// Raises or lowers and tilts the pelvis by a degree or two so that the knees, which lie `forward` (left, right) before
+/// the lines from hip to ankle, stay as much bent while the pelvis moves over planted feet.
+void settle_pelvis(const BodyShape& shape, const std::array<double, 2>& forward, Pose& pose) {
+  std::array<double, 2> height{};
+  for (const Side side : {Side::Left, Side::Right}) {
+    const auto i = static_cast<std::size_t>(side);
+    const double length = shape.thigh + shape.shin - shortening(shape, std::max(0.004, forward[i]));
+    const Eigen::Vector3d ankle = standing_ankle(shape, pose.feet[i]);
+    const Eigen::Vector3d hip =
+        pose.pelvis + outward(side) * shape.hip_half_width * turned_left(pose.pelvis_turns.turn).col(0);
+    const double dx = hip.x() - ankle.x(), dz = hip.z() - ankle.z();
+    height[i] = ankle.y() + std::sqrt(std::max(0.0, length * length - dx * dx - dz * dz));
+  }
+  const double lean = on_grid(std::asin(std::clamp((height[1] - height[0]) / (2 * shape.hip_half_width), -0.25, 0.25)));
+  pose.pelvis.y() = 0.5 * (height[0] + height[1]);
+  pose.spine.lean -= lean - pose.pelvis_turns.lean;
+  pose.pelvis_turns.lean = lean;
+}
+
 /// Turning the pelvis moves one hip forward, the other back, and would take the knees along by half. Straightening one
-/// leg a little and bending the other keeps them over the feet: the pelvis tilts by a degree or two.
+/// leg a little and bending the other keeps them over the feet.
 void rotate_hips(double amount, const BodyShape& shape, Pose& pose) {
   const double moved = 0.5 * shape.hip_half_width * sine(amount);  // right knee forward, left knee back
   const double soft = knee_forward(shape, pose);
-  const double right = shortening(shape, std::max(0.005, soft - moved));
-  const double left = shortening(shape, std::max(0.005, soft + moved));
-  const double tilt = std::clamp((left - right) / (2 * shape.hip_half_width), -0.25, 0.25);
-  pose.pelvis.y() -= 0.5 * (left + right) - shortening(shape, soft);
   pose.pelvis_turns.turn += amount;
-  pose.pelvis_turns.lean += tilt;
   pose.spine.turn -= amount;
-  pose.spine.lean -= tilt;
+  settle_pelvis(shape, {soft + moved, soft - moved}, pose);
+}
+
+void translate_hips(double amount, const BodyShape& shape, Pose& pose) {
+  const double soft = knee_forward(shape, pose);
+  pose.pelvis.x() += 2.2 * 0.2 * tangent(amount) * shape.stature / 1.75;
+  settle_pelvis(shape, {soft, soft}, pose);
 }
 
 void bend_knee(const Performance& performance, const BodyShape& shape, Pose& pose) {
@@ -77,7 +103,7 @@ void perform(MotionId motion, const Performance& performance, const BodyShape& s
   const double amount = performance.amount;
   switch (motion) {
     case MotionId::RotateShoulders:
-      pose.spine.turn += amount;
+      pose.twist += amount;
       pose.neck.turn -= 0.8 * amount;
       break;
     case MotionId::RotateHips:
@@ -85,7 +111,7 @@ void perform(MotionId motion, const Performance& performance, const BodyShape& s
       break;
     case MotionId::RotateBust:
       rotate_hips(amount, shape, pose);
-      pose.spine.turn += amount;
+      pose.twist += amount;
       pose.neck.turn -= 0.8 * amount;
       break;
     case MotionId::LeanBust:
@@ -97,7 +123,7 @@ void perform(MotionId motion, const Performance& performance, const BodyShape& s
       pose.neck.bend -= 0.5 * amount;
       break;
     case MotionId::TranslateHips:
-      pose.pelvis.x() += 2.2 * 0.2 * tangent(amount) * shape.stature / 1.75;
+      translate_hips(amount, shape, pose);
       break;
     case MotionId::BendKnees:
       if (amount != 0) bend_knee(performance, shape, pose);

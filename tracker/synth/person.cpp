@@ -30,7 +30,7 @@ Person random_person(Random& random, bool carries) {
   shape.stature = standing_hip_height(shape) + shape.torso + shape.neck + 0.079 * shape.head_scale;
 
   Outfit& outfit = person.outfit;
-  outfit.cloth = random.uniform(0, 0.028);
+  outfit.cloth = random.uniform(0.002, 0.034);
   outfit.trousers = random.uniform(0, 0.03);
   outfit.sleeves = random.chance(0.3) ? 0.0 : random.uniform(0, 0.8) * outfit.cloth;
   outfit.shoe = random.uniform(0, 0.014);
