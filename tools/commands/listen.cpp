@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -126,7 +127,9 @@ class Listener {
       if (over_ || (options_.frames > 0 && frames_ >= options_.frames)) return {};
       if (options_.seconds > 0 && now - start_ >= std::chrono::duration<double>(options_.seconds)) return {};
       if (options_.timeout > 0 && now - std::max(heard_, start_) >= std::chrono::duration<double>(options_.timeout)) {
-        return fail(options_.endpoint + ": nothing came within " + std::to_string(options_.timeout) +
+        std::array<char, 32> seconds{};
+        std::snprintf(seconds.data(), seconds.size(), "%g", options_.timeout);
+        return fail(options_.endpoint + ": nothing came within " + seconds.data() +
                     " s; is armatured running with this endpoint?");
       }
     }
@@ -134,11 +137,9 @@ class Listener {
   }
 
   Expected<void> take(const navproto::Arrivals& arrivals, nanoseconds now) {
-    if (arrivals.error) {
-      // A malformed endpoint will not get better; a message that cannot be read may be followed by one that can.
-      if (const auto error = nav_.error()) {
-        if (heard_ == 0ns || frames_ == 0) return fail(error->message);
-      }
+    if (arrivals.error && frames_ == 0) {
+      // Nothing could be read yet: most likely a publisher of another version. Later, the next message may be fine.
+      if (const auto error = nav_.error()) return fail(error->message);
     }
     Expected<void> written;
     if (arrivals.navigation) {
@@ -232,7 +233,14 @@ void add_listen(CLI::App& app, Run& run) {
       "the\n"
       "publisher says that its stream is over. The path is that of a camera which follows the velocities.\n\n"
       "Example: armature listen ipc:///run/armature/nav --json | jq .linear_m_s");
-  command->callback([options, &run] { run = [options] { return Listener(*options).run(); }; });
+  command->callback([options, &run] {
+    run = [options]() -> Expected<void> {
+      if (const auto endpoints = navproto::endpoints_of(options->endpoint); !endpoints) {
+        return fail(endpoints.error().message);
+      }
+      return Listener(*options).run();
+    };
+  });
 }
 
 }  // namespace armature::tools
