@@ -13,7 +13,6 @@
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/feed.h>
 #include <armature/navproto/subscriber.h>
-#include <unistd.h>
 
 #include "tools/commands/commands.h"
 #include "tools/commands/listen_json.h"
@@ -90,7 +89,7 @@ class Listener {
         nav_(options.endpoint),
         model_(options.endpoint, navproto::monotonic_now()),
         start_(navproto::monotonic_now()),
-        shows_picture_(!options.json && !options.plain && isatty(STDOUT_FILENO) == 1) {}
+        shows_picture_(!options.json && !options.plain && Terminal::there()) {}
 
   Expected<void> run() {
     // Who only listens wants every value; who looks wants the body and the dead zones, too.

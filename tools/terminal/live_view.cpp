@@ -62,7 +62,15 @@ void draw_header(const LiveState& state, Screen& screen) {
 void draw_footer(const LiveState& state, Screen& screen) {
   const int row = screen.height() - 1;
   constexpr std::string_view kHint = "q quits";
-  const std::string& left = state.event.empty() ? state.endpoint : state.event;
+  std::string left = state.endpoint;
+  if (state.health) {
+    const std::string& source = state.health->source;
+    left = source.substr(source.find_last_of('/') + 1);
+    if (state.health->frames_dropped > 0) {
+      left += formatted("  %llu dropped", static_cast<unsigned long long>(state.health->frames_dropped));
+    }
+  }
+  if (!state.event.empty()) left += "  ·  " + state.event;
   screen.put(1, row, left, {palette::kDim, false}, screen.width() - 4 - static_cast<int>(kHint.size()));
   screen.put(screen.width() - 1 - static_cast<int>(kHint.size()), row, kHint, {palette::kFrame, false});
 }

@@ -30,7 +30,7 @@ std::string_view environment(const char* name) {
 }
 
 ColourDepth colour_depth() {
-  if (!environment("NO_COLOR").empty() || environment("TERM") == "dumb") return ColourDepth::None;
+  if (!environment("NO_COLOR").empty()) return ColourDepth::None;
   const auto colours = environment("COLORTERM");
   return colours == "truecolor" || colours == "24bit" ? ColourDepth::TrueColour : ColourDepth::Palette256;
 }
@@ -52,6 +52,11 @@ Terminal::Terminal() : depth_(colour_depth()), keys_(isatty(STDIN_FILENO) == 1) 
 Terminal::~Terminal() {
   write_out(kGiveBack);
   if (keys_) tcsetattr(STDIN_FILENO, TCSANOW, &settings_);
+}
+
+bool Terminal::there() {
+  const auto kind = environment("TERM");
+  return isatty(STDOUT_FILENO) == 1 && !kind.empty() && kind != "dumb";
 }
 
 Screen Terminal::blank() {

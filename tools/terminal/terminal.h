@@ -7,7 +7,7 @@
 namespace armature::tools {
 
 /// A terminal taken over for a picture that redraws in place, on its alternate screen, and given back as it was. Needs
-/// stdout to be a terminal; reads keys where stdin is one, too. One at a time.
+/// there(); reads keys where stdin is one, too. One at a time.
 class Terminal {
  public:
   Terminal();
@@ -15,6 +15,8 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
+  /// Whether stdout is a terminal that can place its cursor.
+  [[nodiscard]] static bool there();
   /// An empty screen of the terminal's present size.
   [[nodiscard]] static Screen blank();
   /// Brings the terminal from what it shows to this picture.
