@@ -136,9 +136,11 @@ class Listener {
   }
 
   Expected<void> take(const navproto::Arrivals& arrivals, nanoseconds now) {
-    if (arrivals.error && frames_ == 0) {
-      // Nothing could be read yet: most likely a publisher of another version. Later, the next message may be fine.
-      if (const auto error = nav_.error()) return fail(error->message);
+    if (const auto error = arrivals.error ? nav_.error() : std::nullopt) {
+      // Where nothing could be read yet it is most likely a publisher of another version. Later the next may be fine.
+      if (frames_ == 0) return fail(error->message);
+      model_.take(*error);
+      if (!terminal_) std::fprintf(stderr, "armature: %s\n", error->message.c_str());
     }
     Expected<void> written;
     if (arrivals.navigation) {

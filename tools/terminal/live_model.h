@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <armature/navproto/control_messages.h>
+#include <armature/navproto/error.h>
 #include <armature/navproto/feed_message.h>
 #include <armature/navproto/messages.h>
 #include <armature/navproto/nav_camera.h>
@@ -31,7 +32,7 @@ struct LiveState {
   std::chrono::duration<double> latency{0};  ///< frame received by the daemon to message received here, smoothed
   navproto::Vec3 anchor{0, 0, 2.5F};         ///< what the body is drawn about: follows the user slowly
   std::optional<float> floor_y;              ///< height of the feet, camera frame
-  std::string event;                         ///< the last one's text
+  std::string event;                         ///< the last one's text, or why a message could not be read
 };
 
 /// Turns what a subscriber receives into what the live view shows: a camera that walks, rates, a steady point of view.
@@ -46,6 +47,8 @@ class LiveModel {
   void take(navproto::FeedMessage message) { state_.feed = std::move(message); }
   void take(const navproto::ControlSettings& settings);
   void take(const navproto::EventMessage& message) { state_.event = message.text; }
+  /// A message that could not be read.
+  void take(const navproto::Error& error) { state_.event = error.message; }
 
   /// Moves the camera with this velocity from the last call's time to now.
   void advance(const navproto::Velocity& velocity, std::chrono::nanoseconds now);
