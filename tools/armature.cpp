@@ -13,6 +13,7 @@ void add_commands(CLI::App& app, Run& run) {
   add_import(app, run);
   add_listen(app, run);
   add_record(app, run);
+  add_synth(app, run);
 }
 
 int run_command(int argc, char** argv) {

@@ -17,5 +17,6 @@ using Run = std::function<Expected<void>()>;
 void add_import(CLI::App& app, Run& run);
 void add_listen(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
+void add_synth(CLI::App& app, Run& run);
 
 }  // namespace armature::tools

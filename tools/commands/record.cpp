@@ -1,8 +1,8 @@
 #include <memory>
 
-#include "firmware_host/depth_source.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/recording_result.h"
+#include "tracker/synth/open_source.h"
 
 namespace armature::tools {
 namespace {
@@ -16,7 +16,7 @@ struct Arguments {
 };
 
 Expected<void> record(const Arguments& arguments) {
-  auto source = open_depth_source(arguments.source);
+  auto source = open_source(arguments.source);
   if (!source) return tl::unexpected(source.error());
   WriteRecordingOptions options;
   options.max_frames = arguments.frames;
@@ -31,7 +31,7 @@ Expected<void> record(const Arguments& arguments) {
 void add_record(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("record", "Record a depth source to a file that every OpenNI2 program opens");
-  command->add_option("SOURCE", arguments->source, "oni:FILE, fakenect:DIR")->required();
+  command->add_option("SOURCE", arguments->source, "oni:FILE, fakenect:DIR or synth:NAME")->required();
   command->add_option("OUT", arguments->out, "The recording, OUT.oni; OUT.oni.toml beside it holds the intrinsics")
       ->required()
       ->check(check_recording_name);

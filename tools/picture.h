@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "firmware_host/error.h"
+
+namespace armature::tools {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+/// Pixels to look at.
+class Picture {
+ public:
+  Picture(int width, int height) : width_(width), height_(height) {
+    rgb_.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  }
+
+  /// Ignores what lies outside.
+  void set(int u, int v, const Colour& colour) noexcept;
+
+  /// Writes a PNG under a temporary name and renames it when complete.
+  [[nodiscard]] Expected<void> write_png(const std::filesystem::path& path) const;
+
+ private:
+  int width_;
+  int height_;
+  std::vector<std::uint8_t> rgb_;  // [height][width][3]
+};
+
+/// Near is bright yellow, far dark blue; black where there is no depth.
+[[nodiscard]] Colour depth_colour(std::uint16_t depth_mm) noexcept;
+
+/// A colour of its own for each of the body's parts, grey for kNoPart.
+[[nodiscard]] Colour part_colour(std::uint8_t part) noexcept;
+
+}  // namespace armature::tools
