@@ -63,14 +63,14 @@ tl::unexpected<Error> refuse(Topic topic, const std::string& why) {
 
 template <class Message>
 Expected<Message> decode_part(std::span<const std::byte> part) {
-  constexpr Topic topic = Kind<Message>::kTopic;
-  if (part.size() < kPrefixBytes || topic_of(part) != topic) return refuse(topic, "the part does not begin so");
+  constexpr Topic kTopic = Kind<Message>::kTopic;
+  if (part.size() < kPrefixBytes || topic_of(part) != kTopic) return refuse(kTopic, "the part does not begin so");
   const auto version = std::to_integer<unsigned>(part[kPrefixBytes - 1]);
   if (version != kSchemaVersion) {
-    return refuse(topic, "schema version " + std::to_string(version) + " where this program speaks version " +
-                             std::to_string(kSchemaVersion) + "; update the older side");
+    return refuse(kTopic, "schema version " + std::to_string(version) + " where this program speaks version " +
+                              std::to_string(kSchemaVersion) + "; update the older side");
   }
-  if (part.size() > Kind<Message>::kMaxBytes) return refuse(topic, "larger than any valid one");
+  if (part.size() > Kind<Message>::kMaxBytes) return refuse(kTopic, "larger than any valid one");
 
   std::span<const std::byte> buffer = part.subspan(kPrefixBytes);
   std::vector<std::uint64_t> aligned;
@@ -80,15 +80,15 @@ Expected<Message> decode_part(std::span<const std::byte> part) {
     buffer = std::as_bytes(std::span(aligned)).first(buffer.size());
   }
   flatbuffers::Verifier verifier(reinterpret_cast<const std::uint8_t*>(buffer.data()), buffer.size());
-  if (!wire::VerifyMessageBuffer(verifier)) return refuse(topic, "truncated or not a FlatBuffer of this schema");
+  if (!wire::VerifyMessageBuffer(verifier)) return refuse(kTopic, "truncated or not a FlatBuffer of this schema");
   const wire::Message& root = *wire::GetMessage(buffer.data());
   const auto* body = root.body_as<typename Kind<Message>::Wire>();
-  if (body == nullptr) return refuse(topic, "the body is of another kind than the topic");
+  if (body == nullptr) return refuse(kTopic, "the body is of another kind than the topic");
 
   Expected<Message> message = unpack(*body);
-  if (!message) return refuse(topic, message.error().message);
+  if (!message) return refuse(kTopic, message.error().message);
   if constexpr (requires { message->header; }) message->header = unpack(*root.header());
-  if (const auto complaint = check_body(*message)) return refuse(topic, complaint->message);
+  if (const auto complaint = check_body(*message)) return refuse(kTopic, complaint->message);
   return message;
 }
 

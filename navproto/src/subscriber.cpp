@@ -139,19 +139,19 @@ struct NavSubscriber::Impl {
     if (arrivals) arrived.notify_all();
   }
 
-  void take(NavigationMessage&& message) {
+  void take(const NavigationMessage& message) {
     const bool same_session = navigation && navigation->header.session_id == message.header.session_id;
     if (!same_session) freshness = {};
     const auto made =
         freshness.made_at(message.times.published, message.header.sent, std::max(options.now(), decltype(made_at){0}));
     if (same_session && message.header.sequence <= navigation->header.sequence) return;
     made_at = made;
-    navigation = std::move(message);
+    navigation = message;
     arrivals.navigation = true;
   }
-  void take(SkeletonMessage&& message) {
+  void take(const SkeletonMessage& message) {
     if (is_old(skeleton, message)) return;
-    skeleton = std::move(message);
+    skeleton = message;
     arrivals.skeleton = true;
   }
   void take(HealthMessage&& message) {

@@ -21,8 +21,8 @@ inline constexpr std::array<std::string_view, 7> kTopicPrefixes = {"arm.nav", "a
                                                                    "arm.fed", "arm.req", "arm.rep"};
 
 /// Larger parts are refused unread. The feed's is that of the largest image, incompressible.
-inline constexpr std::size_t kMaxMessageBytes = 64 * 1024;
-inline constexpr std::size_t kMaxFeedBytes = 64 * 1024 * 1024;
+inline constexpr std::size_t kMaxMessageBytes = 65'536;
+inline constexpr std::size_t kMaxFeedBytes = 67'108'864;
 inline constexpr int kMaxFeedSide = 4096;
 
 /// The topic of a part, nothing where the prefix is not ours. Says nothing about the rest of it.

@@ -9,6 +9,9 @@
 
 namespace armature::navproto {
 
+// Every list keeps the rows of the schema.
+// clang-format off
+
 /// Messages of another version are refused.
 inline constexpr std::uint8_t kSchemaVersion = 1;
 
@@ -80,15 +83,34 @@ inline constexpr std::array<std::string_view, 16> kEventKindNames = {
 
 enum class RequestKind : std::uint8_t { Status, Rerest, Set, Save, Reload };
 inline constexpr std::array<std::string_view, 5> kRequestKindNames = {"status", "rerest", "set", "save", "reload"};
+// clang-format on
 
-[[nodiscard]] constexpr std::string_view name(MotionId v) noexcept { return kMotionNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(JointId v) noexcept { return kJointNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(JointState v) noexcept { return kJointStateNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(SensorClock v) noexcept { return kSensorClockNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(Engagement v) noexcept { return kEngagementNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(StopReason v) noexcept { return kStopReasonNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(Stage v) noexcept { return kStageNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(EventKind v) noexcept { return kEventKindNames[std::size_t(v)]; }
-[[nodiscard]] constexpr std::string_view name(RequestKind v) noexcept { return kRequestKindNames[std::size_t(v)]; }
+[[nodiscard]] constexpr std::string_view name(MotionId v) noexcept {
+  return kMotionNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(JointId v) noexcept {
+  return kJointNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(JointState v) noexcept {
+  return kJointStateNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(SensorClock v) noexcept {
+  return kSensorClockNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(Engagement v) noexcept {
+  return kEngagementNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(StopReason v) noexcept {
+  return kStopReasonNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(Stage v) noexcept {
+  return kStageNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(EventKind v) noexcept {
+  return kEventKindNames[static_cast<std::size_t>(v)];
+}
+[[nodiscard]] constexpr std::string_view name(RequestKind v) noexcept {
+  return kRequestKindNames[static_cast<std::size_t>(v)];
+}
 
 }  // namespace armature::navproto
