@@ -10,9 +10,11 @@ namespace {
 using namespace armature::tools;
 
 void add_commands(CLI::App& app, Run& run) {
+  add_bench(app, run);
   add_import(app, run);
   add_listen(app, run);
   add_record(app, run);
+  add_replay(app, run);
   add_synth(app, run);
 }
 

@@ -38,6 +38,9 @@ void visit_config(Config& c, Visitor& v) {
 
   v.section("rest", "The pose against which motions are measured.");
   RestOptions& rest = c.tracker.rest;
+  v.choice("mode", rest.mode, kRestModeNames,
+           "stillness (live), auto (from the first frames, then improved) or first (the first frames)");
+  v.whole("first_frames", rest.first_frames, 1, 128, "auto and first: frames of the rest pose");
   v.seconds("stillness_s", rest.stillness, 0.2F, 10.0F, "how long a user stands still for her rest pose");
   v.number("still_spread_m", rest.still_spread_m, 0.001F, 0.5F, "standard deviation of a joint at 2 m that is still");
   v.number("still_drift_m", rest.still_drift_m, 0.001F, 0.5F, "drift of a joint at 2 m that is still");

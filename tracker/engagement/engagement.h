@@ -22,10 +22,6 @@ enum class StopReason : std::uint8_t {
   Calibrating,
   TrackingLost,
   TooNoisy,  ///< a steering motion's dead zone would be so wide that it cannot be steered with
-  EndOfStream,
-  SourceFailed,
-  Reload,
-  Exit,
 };
 
 struct EngagementOptions {

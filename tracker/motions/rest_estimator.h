@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <optional>
+#include <string_view>
 
 #include "tracker/motions/motion_options.h"
 #include "tracker/motions/receptors.h"
@@ -16,6 +17,8 @@ enum class RestMode {
   First,      ///< offline: the mean over the first `first_frames` tracked frames
   Fixed,      ///< given
 };
+/// As configuration spells those that can be configured.
+inline constexpr std::array<std::string_view, 3> kRestModeNames = {"stillness", "auto", "first"};
 
 struct RestOptions {
   RestMode mode = RestMode::Stillness;
