@@ -106,9 +106,15 @@ std::optional<RayHit> EdgeCaster::cast(const Vector3d& direction) const noexcept
       if (along >= 0 && along <= side_) crossings.add(t, along / side_);
     };
     const double discriminant = k1 * k1 - k2 * cone_0_;
+    // The hull lies within the infinite cone: a ray that crosses towards it and misses the cone misses the hull.
+    if (discriminant < 0 && k2 > 0) return std::nullopt;
     if (discriminant >= 0 && k2 != 0) {
       const double root = std::sqrt(discriminant);
-      add((-k1 - root) / k2);
+      const double near = (-k1 - root) / k2;
+      const double near_along = along_0_ + near * along_t;
+      // There is one way into a convex body: no need to look for another.
+      if (k2 > 0 && near > 0 && near_along >= 0 && near_along <= side_) return RayHit{near, near_along / side_};
+      add(near);
       add((-k1 + root) / k2);
     } else if (k2 == 0 && k1 != 0) {
       add(-cone_0_ / (2 * k1));

@@ -23,6 +23,11 @@ float unit_of(std::uint64_t bits) {
   return static_cast<float>(bits >> 40) * 0x1p-24F;
 }
 
+/// To the nearest whole number, for values above -1. (std::lround is a call, and this runs for every pixel.)
+int rounded(float value) {
+  return static_cast<int>(value + 1.5F) - 1;
+}
+
 /// A value in [0, 1) that is constant over square blocks of the image.
 float block_value(int u, int v, int block, std::uint64_t seed) {
   return unit_of(
@@ -36,13 +41,68 @@ double sigma_in_steps(double z) {
   return std::sqrt(std::max(total * total - 1.0 / 12, 0.05));
 }
 
+/// Where the pattern is not recognised: at grazing angles, on the far side of edges, in hair.
+class Dropouts {
+ public:
+  Dropouts(const SurfaceImage& image, const SensorOptions& options, std::uint64_t seed, std::uint64_t hair_seed)
+      : image_(image),
+        hair_missing_(static_cast<float>(options.hair_missing)),
+        focal_(static_cast<float>(image.intrinsics.focal_x_px)),
+        seed_(seed),
+        hair_seed_(hair_seed) {
+    const float scale = static_cast<float>(image.intrinsics.width) / 640.0F;
+    hair_block_ = std::max(1, rounded(5 * scale));
+    edge_block_ = std::max(1, rounded(3 * scale));
+  }
+
+  /// Whether pixel (u, v), at which the surface of (seen_u, seen_v) is seen, has no depth.
+  [[nodiscard]] bool lost(int u, int v, int seen_u, int seen_v) const {
+    const int width = image_.intrinsics.width, height = image_.intrinsics.height;
+    const auto row = static_cast<std::size_t>(width);
+    const std::size_t at = static_cast<std::size_t>(seen_v) * row + static_cast<std::size_t>(seen_u);
+    const float z = image_.depth_m[at];
+    const float left = image_.depth_m[at - (seen_u > 0 ? 1 : 0)];
+    const float right = image_.depth_m[at + (seen_u + 1 < width ? 1 : 0)];
+    const float up = image_.depth_m[at - (seen_v > 0 ? row : 0)];
+    const float down = image_.depth_m[at + (seen_v + 1 < height ? row : 0)];
+    const float least = std::min({left, right, up, down});
+    if (std::max({left, right, up, down}) - least > 0.02F * z) {
+      // The smaller one-sided difference: the slope of the surface that this pixel lies on.
+      const float du = std::min(std::abs(right - z), std::abs(left - z));
+      const float dv = std::min(std::abs(down - z), std::abs(up - z));
+      const float slope = std::sqrt(du * du + dv * dv) * focal_ / z;
+      const float grazing = std::clamp((slope - kGrazingFrom) / (kGrazingTo - kGrazingFrom), 0.0F, 1.0F);
+      const bool far_side =
+          z - least > kEdge && (std::abs(right + left - 2 * z) > kEdge || std::abs(up + down - 2 * z) > kEdge);
+      if (block_value(u, v, edge_block_, seed_ ^ 0xED6EULL) < std::max(grazing, far_side ? kEdgeLost : 0.0F)) {
+        return true;
+      }
+    }
+    if (image_.material[at] != static_cast<std::uint8_t>(Material::Hair)) return false;
+    return 0.7F * block_value(u, v, hair_block_, hair_seed_) +
+               0.3F * block_value(u, v, edge_block_, seed_ ^ 0x4A12ULL) <
+           hair_missing_;
+  }
+
+ private:
+  const SurfaceImage& image_;
+  float hair_missing_;
+  float focal_;
+  std::uint64_t seed_;
+  std::uint64_t hair_seed_;
+  int hair_block_ = 1;
+  int edge_block_ = 1;
+};
+
 /// Box filter of three in both directions, wrapping nothing: borders repeat.
 void smooth(std::vector<float>& field, std::vector<float>& buffer, int width, int height) {
   const auto w = static_cast<std::size_t>(width);
   for (int v = 0; v < height; ++v) {
     const float* row = &field[static_cast<std::size_t>(v) * w];
     float* out = &buffer[static_cast<std::size_t>(v) * w];
-    for (int u = 0; u < width; ++u) out[u] = row[std::max(u - 1, 0)] + row[u] + row[std::min(u + 1, width - 1)];
+    out[0] = 2 * row[0] + row[1];
+    for (int u = 1; u + 1 < width; ++u) out[u] = row[u - 1] + row[u] + row[u + 1];
+    out[width - 1] = row[width - 2] + 2 * row[width - 1];
   }
   for (int v = 0; v < height; ++v) {
     const float* above = &buffer[static_cast<std::size_t>(std::max(v - 1, 0)) * w];
@@ -80,27 +140,26 @@ void KinectSensor::cast_shadows(const SurfaceImage& image, const SensorOptions& 
   shadowed_.assign(image.depth_m.size(), 0);
   if (options.projector_m <= 0) return;
   const auto shift = static_cast<float>(k.focal_x_px * options.projector_m);
-  const auto farthest = static_cast<float>(options.farthest_m);
-  const int margin = static_cast<int>(shift / static_cast<float>(options.nearest_m)) + 2;
+  const auto nearest = static_cast<float>(options.nearest_m), farthest = static_cast<float>(options.farthest_m);
+  const int margin = static_cast<int>(shift / nearest) + 2;
+  columns_.resize(width);
   lit_.resize(width + static_cast<std::size_t>(margin));
   for (int v = 0; v < k.height; ++v) {
     const float* depth = &image.depth_m[static_cast<std::size_t>(v) * width];
     std::fill(lit_.begin(), lit_.end(), SurfaceImage::kNothing);
     // The projector sees column u at depth z in its column u - shift / z.
-    const auto column = [&](int u) {
-      const float z = std::clamp(depth[u], static_cast<float>(options.nearest_m), farthest);
-      return static_cast<float>(u + margin) - shift / z;
-    };
     for (int u = 0; u < k.width; ++u) {
-      const float at = column(u);
-      const auto c = static_cast<std::size_t>(std::max(at, 0.0F));
+      const float z = std::clamp(depth[u], nearest, farthest);
+      columns_[static_cast<std::size_t>(u)] = std::max(static_cast<float>(u + margin) - shift / z, 0.0F);
+    }
+    for (std::size_t u = 0; u < width; ++u) {
+      const auto c = static_cast<std::size_t>(columns_[u]);
       for (std::size_t i = c; i <= c + 1 && i < lit_.size(); ++i) lit_[i] = std::min(lit_[i], depth[u]);
     }
-    for (int u = 0; u < k.width; ++u) {
-      const auto c = static_cast<std::size_t>(std::max(column(u) + 0.5F, 0.0F));
-      if (c < lit_.size() && lit_[c] < depth[u] - 0.06F - 0.02F * depth[u]) {
-        shadowed_[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)] = 1;
-      }
+    for (std::size_t u = 0; u < width; ++u) {
+      const auto c = static_cast<std::size_t>(columns_[u] + 0.5F);
+      shadowed_[static_cast<std::size_t>(v) * width + u] =
+          c < lit_.size() && lit_[c] < depth[u] - 0.06F - 0.02F * depth[u] ? 1 : 0;
     }
   }
 }
@@ -125,8 +184,7 @@ void KinectSensor::sense(const SurfaceImage& image, const SensorOptions& options
 
   const float scale = static_cast<float>(k.width) / 640.0F;
   const float jitter = static_cast<float>(options.strength) * std::max(0.45F, 0.8F * scale);
-  const int hair_block = std::max(1, static_cast<int>(std::lround(5 * scale)));
-  const int edge_block = std::max(1, static_cast<int>(std::lround(3 * scale)));
+  const Dropouts dropouts(image, options, seed, hair_seed);
   // The noise depends on the distance alone: one value for every 5 cm.
   std::array<float, 256> sigma{};
   for (std::size_t i = 0; i < sigma.size(); ++i) {
@@ -136,50 +194,27 @@ void KinectSensor::sense(const SurfaceImage& image, const SensorOptions& options
   for (int v = 0; v < k.height; ++v) {
     for (int u = 0; u < k.width; ++u) {
       const std::size_t pixel = static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u);
-      // Only where surfaces end does it matter which pixel is looked at.
-      const int ju =
-          std::clamp(static_cast<int>(std::lround(static_cast<float>(u) + jitter * jitter_u_[pixel])), 0, k.width - 1);
-      const int jv =
-          std::clamp(static_cast<int>(std::lround(static_cast<float>(v) + jitter * jitter_v_[pixel])), 0, k.height - 1);
-      std::size_t source = static_cast<std::size_t>(jv) * width + static_cast<std::size_t>(ju);
+      int seen_u = std::clamp(rounded(static_cast<float>(u) + jitter * jitter_u_[pixel]), 0, k.width - 1);
+      int seen_v = std::clamp(rounded(static_cast<float>(v) + jitter * jitter_v_[pixel]), 0, k.height - 1);
+      std::size_t source = static_cast<std::size_t>(seen_v) * width + static_cast<std::size_t>(seen_u);
       const float farther = image.depth_m[source] - image.depth_m[pixel];
-      if (std::abs(farther) < kEdge) source = pixel;
-      // The sensor matches windows of the pattern: what is near spreads over what is far more often than it recedes.
-      if (farther >= kEdge && block_value(u, v, 1, seed ^ 0xFA77ULL) > kRecedes) source = pixel;
+      // Only where surfaces end does it matter which pixel is looked at. The sensor matches windows of its pattern:
+      // what is near spreads over what is far more often than it recedes.
+      if (std::abs(farther) < kEdge || (farther > 0 && block_value(u, v, 1, seed ^ 0xFA77ULL) > kRecedes)) {
+        source = pixel;
+        seen_u = u;
+        seen_v = v;
+      }
       out.source[pixel] = static_cast<std::uint32_t>(source);
 
       const float z = image.depth_m[source];
       if (z < static_cast<float>(options.nearest_m) || z > static_cast<float>(options.farthest_m)) continue;
-      if (shadowed_[source] != 0) continue;
-
-      const auto at = [&](int du, int dv) {
-        const int su = std::clamp(static_cast<int>(source % width) + du, 0, k.width - 1);
-        const int sv = std::clamp(static_cast<int>(source / width) + dv, 0, k.height - 1);
-        return image.depth_m[static_cast<std::size_t>(sv) * width + static_cast<std::size_t>(su)];
-      };
-      const float left = at(-1, 0), right = at(1, 0), up = at(0, -1), down = at(0, 1);
-      const float jump = std::max({left, right, up, down}) - std::min({left, right, up, down});
-      if (jump > 0.02F * z) {
-        // The smaller one-sided difference: the slope of the surface that this pixel lies on.
-        const float du = std::min(std::abs(right - z), std::abs(left - z));
-        const float dv = std::min(std::abs(down - z), std::abs(up - z));
-        const float slope = std::sqrt(du * du + dv * dv) * static_cast<float>(k.focal_x_px) / z;
-        const float lost = std::clamp((slope - kGrazingFrom) / (kGrazingTo - kGrazingFrom), 0.0F, 1.0F);
-        const bool far_side = z - std::min({left, right, up, down}) > kEdge &&
-                              (std::abs(right + left - 2 * z) > kEdge || std::abs(up + down - 2 * z) > kEdge);
-        if (block_value(u, v, edge_block, seed ^ 0xED6EULL) < std::max(lost, far_side ? kEdgeLost : 0.0F)) continue;
-      }
-      if (image.material[source] == static_cast<std::uint8_t>(Material::Hair)) {
-        const float missing =
-            0.7F * block_value(u, v, hair_block, hair_seed) + 0.3F * block_value(u, v, edge_block, seed ^ 0x4A12ULL);
-        if (missing < static_cast<float>(options.hair_missing)) continue;
-      }
-
-      const double steps =
-          static_cast<double>(sigma[std::min<std::size_t>(static_cast<std::size_t>(z * 20), 255)] * axial_[pixel]);
-      const double disparity = std::nearbyint(disparity_eighths(static_cast<double>(z)) + steps);
+      if (shadowed_[source] != 0 || dropouts.lost(u, v, seen_u, seen_v)) continue;
+      const auto bin = std::min<std::size_t>(static_cast<std::size_t>(z * 20), 255);
+      const double steps = static_cast<double>(sigma[bin] * axial_[pixel]);
+      const int disparity = static_cast<int>(disparity_eighths(static_cast<double>(z)) + steps + 0.5);
       if (disparity < 1) continue;
-      out.depth_mm[pixel] = static_cast<std::uint16_t>(std::min(65535.0, std::nearbyint(348000.0 / disparity)));
+      out.depth_mm[pixel] = static_cast<std::uint16_t>(std::min(65534.0, 348000.0 / disparity + 0.5));
     }
   }
 }

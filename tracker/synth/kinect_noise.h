@@ -45,6 +45,7 @@ class KinectSensor {
 
   std::vector<float> axial_, jitter_u_, jitter_v_, blur_;  ///< unit variance
   std::vector<float> lit_;                                 ///< a row of the projector's depth buffer
+  std::vector<float> columns_;                             ///< where the projector sees the pixels of a row
   std::vector<std::uint8_t> shadowed_;
 };
 

@@ -77,8 +77,9 @@ struct BoxCaster {
         if (std::abs(origin[axis]) > half[axis]) leave = -1;
         continue;
       }
-      const double a = (-half[axis] - origin[axis]) / d[axis];
-      const double b = (half[axis] - origin[axis]) / d[axis];
+      const double inverse = 1 / d[axis];
+      const double a = (-half[axis] - origin[axis]) * inverse;
+      const double b = (half[axis] - origin[axis]) * inverse;
       enter = std::max(enter, std::min(a, b));
       if (std::max(a, b) < leave) {
         leave = std::max(a, b);
@@ -105,13 +106,16 @@ void render_edges(std::span<const SurfaceEdge> edges, std::uint8_t owner, Surfac
     const PixelRect rect = projected_rect(surface.edge, k);
     if (rect.left >= rect.right || rect.top >= rect.bottom) continue;
     const sdk::EdgeCaster caster(surface.edge);
+    const double nearest =
+        std::min(surface.edge.a.centre.z() - surface.edge.a.radius, surface.edge.b.centre.z() - surface.edge.b.radius);
     for (int v = rect.top; v < rect.bottom; ++v) {
+      const double ray_y = (v - k.centre_y_px) / k.focal_y_px;
       for (int u = rect.left; u < rect.right; ++u) {
-        const Vector3d ray{(u - k.centre_x_px) / k.focal_x_px, (v - k.centre_y_px) / k.focal_y_px, 1};
-        const auto hit = caster.cast(ray);
-        if (!hit || hit->t < kNearest) continue;
         const std::size_t pixel = pixel_of(k, u, v);
-        if (hit->t >= static_cast<double>(image.depth_m[pixel])) continue;
+        if (nearest >= static_cast<double>(image.depth_m[pixel])) continue;
+        const Vector3d ray{(u - k.centre_x_px) / k.focal_x_px, ray_y, 1};
+        const auto hit = caster.cast(ray);
+        if (!hit || hit->t < kNearest || hit->t >= static_cast<double>(image.depth_m[pixel])) continue;
         image.depth_m[pixel] = static_cast<float>(hit->t);
         image.part[pixel] = part_at(surface.cut, hit->t * ray);
         image.owner[pixel] = owner;
