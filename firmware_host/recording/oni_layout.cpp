@@ -50,14 +50,15 @@ struct Fields {
     rest = rest.subspan(count);
     return true;
   }
-  // Length, then characters that end in a zero.
+  // Length, then characters that end in a zero. Only ASCII: the player's hash of names has signed characters in it.
   bool take_name(std::string& name) {
     std::uint32_t count = 0;
     std::span<const std::byte> bytes;
     if (!take(count) || count == 0 || count > kMaxNameBytes || !take_bytes(count, bytes)) return false;
     if (bytes.back() != std::byte{0}) return false;
     name.assign(reinterpret_cast<const char*>(bytes.data()));
-    return name.size() + 1 == count;
+    return name.size() + 1 == count &&
+           std::all_of(name.begin(), name.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
   }
 };
 
@@ -99,7 +100,10 @@ class Walk {
       if (header.total_bytes() > kMaxOniPayloadBytes) return wrong("a record is larger than OpenNI2 can play");
       fields_.resize(header.fields_bytes - kOniRecordHeaderBytes);
       if (!read_at_(offset_ + kOniRecordHeaderBytes, fields_)) return cut_off();
-      if (header.type == OniRecordType::End) break;
+      if (header.type == OniRecordType::End) {
+        layout_.end_offset = offset_ + header.total_bytes();
+        break;
+      }
       if (header.node > max_node_) return wrong("node " + std::to_string(header.node) + " is not one of the file's");
       if (auto record = handle(header); !record) return tl::unexpected(record.error());
       offset_ += header.total_bytes();

@@ -34,6 +34,7 @@ struct OniLayout {
   double vertical_fov_rad = 0;
   DepthCodec codec = DepthCodec::TableDifferences;
   std::vector<OniFrameRecord> frames;  ///< in the order of the file
+  std::uint64_t end_offset = 0;        ///< where the end record ends; OpenNI2's recorder leaves as many zeros behind it
 };
 
 /// The largest record OpenNI2's player reads: 1600 x 1200 pixels of 3 bytes. What is larger cannot be replayed.

@@ -240,9 +240,11 @@ Expected<void> Recorder::finish() {
   if (layout->frames.size() != s.frames)
     return fail(name + ": OpenNI2 recorded " + std::to_string(layout->frames.size()) + " of " +
                 std::to_string(s.frames) + " frames");
+  std::error_code error;
+  std::filesystem::resize_file(s.temporary, layout->end_offset, error);
+  if (error) return fail(name + ": cannot be written: " + error.message());
   if (auto written = write_text(sidecar_path(s.temporary), format_sidecar(s.facts)); !written) return written;
   // The side-car first: a recording never stands without it.
-  std::error_code error;
   std::filesystem::rename(sidecar_path(s.temporary), sidecar_path(s.path), error);
   if (!error) std::filesystem::rename(s.temporary, s.path, error);
   if (error) return fail(name + ": cannot be written: " + error.message());

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <sstream>
 
@@ -74,6 +75,24 @@ std::string number_text(double value) {
   return text;
 }
 
+// On one line, so that no prefix of it is a string of its own.
+std::string string_text(std::string_view value) {
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') {
+      text += '\\';
+      text += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      std::array<char, 8> code{};
+      std::snprintf(code.data(), code.size(), "\\u%04X", static_cast<unsigned>(c));
+      text += code.data();
+    } else {
+      text += c;
+    }
+  }
+  return text + '"';
+}
+
 std::string one_line(std::string_view text) {
   std::string line;
   for (const char c : text) line += c == '\n' ? ' ' : c;
@@ -102,7 +121,7 @@ std::string format_sidecar(const RecordingFacts& facts) {
        << "centre_x_px = " << number_text(k.centre_x_px) << "\n"
        << "centre_y_px = " << number_text(k.centre_y_px) << "\n"
        << "frames_per_second = " << number_text(facts.frames_per_second) << "\n"
-       << "origin = " << toml::value<std::string>(facts.origin) << "\n";
+       << "origin = " << string_text(facts.origin) << "\n";
   return text.str();
 }
 

@@ -1,12 +1,12 @@
 #include "firmware_host/recording/import.h"
 
-#include <gtest/gtest.h>
-#include <png.h>
-#include <zstd.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <zstd.h>
 
 #include "firmware_host/recording/recorder.h"
 #include "tests/firmware_host/sample_frames.h"
