@@ -21,8 +21,8 @@ class SteadyClock final : public Clock {
     return std::chrono::steady_clock::now().time_since_epoch();
   }
   void sleep_until(std::chrono::nanoseconds time) override {
-    std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
-        std::chrono::duration_cast<std::chrono::steady_clock::duration>(time)));
+    std::this_thread::sleep_until(
+        std::chrono::steady_clock::time_point(std::chrono::duration_cast<std::chrono::steady_clock::duration>(time)));
   }
 };
 

@@ -82,7 +82,7 @@ bool decode_depth(DepthCodec codec, std::span<const std::byte> payload, std::spa
   switch (codec) {
     case DepthCodec::Raw:
       if (payload.size() != depth_mm.size_bytes()) return false;
-      std::memcpy(depth_mm.data(), payload.data(), payload.size());
+      if (!payload.empty()) std::memcpy(depth_mm.data(), payload.data(), payload.size());
       return true;
     case DepthCodec::Differences:
       return decode_differences(payload, {depth_mm, nullptr, 0});

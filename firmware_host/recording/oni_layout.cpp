@@ -15,6 +15,7 @@ constexpr std::uint32_t kMaxNodes = 64;
 constexpr std::size_t kMaxFieldsBytes = 1 << 20;  // a PrimeSense sensor's shift tables take 30 kB
 constexpr std::size_t kMaxNameBytes = 80;         // the player's own limit
 constexpr std::uint64_t kMaxFrameBytes = 16 << 20;
+constexpr std::uint64_t kMaxTimestamp_us = 1'000'000'000'000'000;  // 31 years: in nanoseconds it still fits 63 bits
 constexpr std::size_t kSeekEntryBytes = 20;
 constexpr std::uint32_t kDeviceNode = 1;
 constexpr std::uint32_t kDepthNode = 2;
@@ -322,7 +323,8 @@ Expected<void> Walk::take_frame(const OniRecordHeader& header, Node& node) {
   if (frame.index <= node.last_index || frame.index > node.frame_count)
     return wrong("image number " + std::to_string(frame.index) + " after " + std::to_string(node.last_index) + " of " +
                  std::to_string(node.frame_count));
-  if (frame.timestamp_us > max_timestamp_us_) return wrong("an image later than the recording");
+  if (frame.timestamp_us > std::min(max_timestamp_us_, kMaxTimestamp_us))
+    return wrong("an image later than the recording");
   node.last_index = frame.index;
   if (node.type != kDepthNode) return {};
   frame.payload_offset = offset_ + header.fields_bytes;

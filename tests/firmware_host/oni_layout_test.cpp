@@ -75,6 +75,8 @@ TEST(OniLayout, RefusesStructuresThatOpenNI2sPlayerWouldTrust) {
   expect_error(OniBytes().depth_stream(4, 2, 2).frame(1, 0, image).frame(1, 1, image).end(), "image number 1 after 1");
   expect_error(OniBytes().depth_stream(4, 2, 1).frame(0, 0, image).end(), "image number 0");
   expect_error(OniBytes().depth_stream(4, 2, 1).frame(1, 0, "").end(), "an empty image");
+  expect_error(OniBytes().depth_stream(4, 2, 1).frame(1, std::uint64_t{1} << 62, image).end(),
+               "later than the recording");
   expect_error(OniBytes().frame(1, 0, image).end(), "node 1, which was not added");
   expect_error(OniBytes().depth_stream(4, 2, 1).frame(1, 0, image, 7).end(), "node 7 is not one of the file's");
   expect_error(OniBytes(0x7fffffff).depth_stream(4, 2, 1).end(), "2147483647 nodes announced");
@@ -171,6 +173,7 @@ TEST(DepthCodec, RefusesWhatWouldReadOrWriteTooFar) {
   EXPECT_TRUE(decoded(DepthCodec::TableDifferences, {1, 0, 7, 0, 1, 0}, 1).empty());  // a position past the table
   EXPECT_TRUE(decoded(DepthCodec::TableDifferences, {1, 0, 7, 0, 0, 0, 0x0D}, 2).empty());
   EXPECT_TRUE(decoded(DepthCodec::Raw, {1, 0, 2}, 2).empty());
+  EXPECT_TRUE(decode_depth(DepthCodec::Raw, {}, {}));  // nothing at all is no image, but no harm either
 }
 
 }  // namespace
