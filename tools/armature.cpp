@@ -11,6 +11,7 @@ using namespace armature::tools;
 
 void add_commands(CLI::App& app, Run& run) {
   add_bench(app, run);
+  add_forest(app, run);
   add_import(app, run);
   add_listen(app, run);
   add_record(app, run);

@@ -15,6 +15,7 @@ using Run = std::function<Expected<void>()>;
 // Each adds one subcommand to `app` and sets `run` when the user names it. One source file a command, in the order of
 // the alphabet. Listed here, in add_commands() of tools/armature.cpp and in tools/CMakeLists.txt.
 void add_bench(CLI::App& app, Run& run);
+void add_forest(CLI::App& app, Run& run);
 void add_import(CLI::App& app, Run& run);
 void add_listen(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);

@@ -14,7 +14,7 @@ namespace armature {
 /// integer histograms (one increment per sample and feature) over 23 thresholds. Owns scratch memory: one a thread.
 class SplitSearch {
  public:
-  explicit SplitSearch(const TrainingOptions& options);
+  explicit SplitSearch(const TrainerOptions& options);
 
   /// Nothing if no feature separates these samples. Children of the result are unset.
   [[nodiscard]] std::optional<SplitNode> find(std::span<const TrainingPerson> persons,
@@ -23,13 +23,12 @@ class SplitSearch {
  private:
   struct Feature {
     SplitNode node;
-    std::int32_t step_mm = 0;     ///< between thresholds, which lie at (k - 11) * step_mm
-    std::int32_t reciprocal = 0;  ///< of step_mm, in 2^20ths
+    std::int32_t step_mm = 0;  ///< between thresholds, which lie at (k - 11) * step_mm
   };
   [[nodiscard]] Feature random_feature(TrainingRandom& random) const;
   void fill_histograms(std::span<const TrainingPerson> persons, std::span<const Feature> features);
 
-  TrainingOptions options_;
+  TrainerOptions options_;
   std::vector<TrainingSample> chosen_;  // the node's samples, thinned to options.node_samples
   std::vector<Feature> features_;
   std::vector<std::uint16_t> histogram_;  // [feature of a block][bin][32 parts]

@@ -48,13 +48,13 @@ class Progress {
   double done_ = 0;
 };
 
-Error interrupted(const TrainingOptions& options) {
+Error interrupted(const TrainerOptions& options) {
   return {options.checkpoint.empty()
               ? "training was interrupted"
               : "training was interrupted; --resume goes on from " + options.checkpoint.string()};
 }
 
-Expected<void> check(const TrainingOptions& options) {
+Expected<void> check(const TrainerOptions& options) {
   const auto in_range = [](int value, int low, int high, const char* what) -> Expected<void> {
     if (value >= low && value <= high) return {};
     return fail(std::string("training: ") + what + " is " + std::to_string(value) + ", expected " +
@@ -75,7 +75,7 @@ Expected<void> check(const TrainingOptions& options) {
 }
 
 /// What decides about the result, and nothing else.
-std::string settings_of(const TrainingOptions& o) {
+std::string settings_of(const TrainerOptions& o) {
   std::ostringstream out;
   out << "images " << o.image_count << " trees " << o.tree_count << " depth " << o.max_depth << " pixels "
       << o.pixels_per_image << " features " << o.features_per_node << " node " << o.node_samples << " leaf "
@@ -97,7 +97,7 @@ std::int32_t append_subtree(Tree& tree, const Tree& subtree) {
 
 class TreeTraining {
  public:
-  TreeTraining(const TrainingOptions& options, std::span<const TrainingPerson> persons,
+  TreeTraining(const TrainerOptions& options, std::span<const TrainingPerson> persons,
                std::vector<TrainingSample> samples, std::uint32_t tree, int threads)
       : options_(options), samples_(std::move(samples)), tree_index_(tree), threads_(threads) {
     for (int thread = 0; thread < threads; ++thread) {
@@ -172,7 +172,7 @@ class TreeTraining {
     }
   }
 
-  const TrainingOptions& options_;
+  const TrainerOptions& options_;
   std::vector<TrainingSample> samples_;
   std::uint32_t tree_index_;
   int threads_;
@@ -186,7 +186,7 @@ struct TrainingSet {
   std::vector<std::vector<TrainingSample>> samples_of_tree;
 };
 
-TrainingSet make_training_set(const TrainingOptions& options, const TrainingImages& images, int threads,
+TrainingSet make_training_set(const TrainerOptions& options, const TrainingImages& images, int threads,
                               Progress& progress, const std::stop_token& stop) {
   const auto count = static_cast<std::size_t>(options.image_count);
   const auto trees = static_cast<std::size_t>(options.tree_count);
@@ -216,7 +216,7 @@ TrainingSet make_training_set(const TrainingOptions& options, const TrainingImag
 
 }  // namespace
 
-Expected<Forest> train_forest(const TrainingOptions& options, const TrainingImages& images,
+Expected<Forest> train_forest(const TrainerOptions& options, const TrainingImages& images,
                               const std::function<void(double)>& report, std::stop_token stop) {
   if (const auto checked = check(options); !checked) return tl::unexpected(checked.error());
   const int threads =

@@ -18,15 +18,16 @@ namespace armature {
 /// A person with the truth about it.
 struct TrainingImage {
   Intrinsics intrinsics;
-  std::vector<std::uint16_t> depth_mm;                ///< [height][width], 0 = no return
-  std::vector<std::uint8_t> part_of_pixel;            ///< [height][width], a PartLabel or kNoPart
+  std::vector<std::uint16_t> depth_mm;      ///< [height][width], 0 = no return
+  std::vector<std::uint8_t> user;           ///< [height][width], not 0 where segmentation sees the user
+  std::vector<std::uint8_t> part_of_pixel;  ///< [height][width], a PartLabel, or kNoPart: bags, bits of floor
   std::array<Eigen::Vector3f, kJointCount> joints{};  ///< metres, camera frame
 };
 
 /// The i-th image, always the same for the same i. Called from several threads at once.
 using TrainingImages = std::function<TrainingImage(int i)>;
 
-struct TrainingOptions {
+struct TrainerOptions {
   int image_count = 4000;
   int tree_count = 3;
   int max_depth = 18;
@@ -48,7 +49,7 @@ inline constexpr int kMaxNodeSamples = 32768;
 /// tree, so the result depends on the options and images alone, not on threads or interruptions. Splits are chosen in
 /// integers. `progress` gets fractions in [0, 1], from any thread, one at a time. A stop is an error that says how to
 /// go on; the checkpoint then holds what was finished.
-[[nodiscard]] Expected<Forest> train_forest(const TrainingOptions& options, const TrainingImages& images,
+[[nodiscard]] Expected<Forest> train_forest(const TrainerOptions& options, const TrainingImages& images,
                                             const std::function<void(double)>& progress, std::stop_token stop);
 
 }  // namespace armature

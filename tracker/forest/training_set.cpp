@@ -8,9 +8,8 @@
 namespace armature {
 namespace {
 
-bool is_person(const TrainingImage& image, std::size_t pixel) {
-  return image.part_of_pixel[pixel] < kPartCount && image.depth_mm[pixel] != 0 &&
-         image.depth_mm[pixel] <= kMaxPersonDepth_mm;
+bool is_user(const TrainingImage& image, std::size_t pixel) {
+  return image.user[pixel] != 0 && image.depth_mm[pixel] != 0 && image.depth_mm[pixel] <= kMaxPersonDepth_mm;
 }
 
 }  // namespace
@@ -29,7 +28,7 @@ TrainingPerson cut_out_person(const TrainingImage& image) {
   int left = width, top = height, right = 0, bottom = 0;
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      if (!is_person(image, static_cast<std::size_t>(v * width + u))) continue;
+      if (!is_user(image, static_cast<std::size_t>(v * width + u))) continue;
       left = std::min(left, u);
       right = std::max(right, u + 1);
       top = std::min(top, v);
@@ -44,7 +43,7 @@ TrainingPerson cut_out_person(const TrainingImage& image) {
   for (int v = top; v < bottom; ++v) {
     for (int u = left; u < right; ++u) {
       const auto pixel = static_cast<std::size_t>(v * width + u);
-      if (!is_person(image, pixel)) continue;
+      if (!is_user(image, pixel)) continue;
       person.depth_mm[static_cast<std::size_t>((v - top + 1) * person.width + u - left + 1)] = image.depth_mm[pixel];
     }
   }
@@ -66,7 +65,7 @@ void draw_samples(const TrainingImage& image, const TrainingPerson& person, std:
   for (int v = 1; v + 1 < person.height; ++v) {
     for (int u = 1; u + 1 < person.width; ++u) {
       const auto pixel = static_cast<std::size_t>((v + person.top) * image.intrinsics.width + u + person.left);
-      if (!is_person(image, pixel)) continue;
+      if (!is_user(image, pixel) || image.part_of_pixel[pixel] >= kPartCount) continue;
       all.push_back({.person = person_index,
                      .u = static_cast<std::uint16_t>(u),
                      .v = static_cast<std::uint16_t>(v),

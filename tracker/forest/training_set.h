@@ -32,10 +32,10 @@ struct TrainingSample {
   std::uint8_t part = 0;
 };
 
-/// Cuts the person out of an image: pixels with a part and a depth.
+/// Cuts the user out of an image, as PartClassifier will do: pixels of the user that have a depth.
 [[nodiscard]] TrainingPerson cut_out_person(const TrainingImage& image);
 
-/// Draws at most `count` different pixels of the person, in the order of the image.
+/// Draws at most `count` different pixels that have a part, in the order of the image.
 void draw_samples(const TrainingImage& image, const TrainingPerson& person, std::uint32_t person_index, int count,
                   std::uint64_t seed, std::vector<TrainingSample>& out);
 

@@ -6,7 +6,7 @@
 
 namespace armature {
 
-TreeGrower::TreeGrower(const TrainingOptions& options, std::span<const TrainingPerson> persons, std::uint64_t tree_seed)
+TreeGrower::TreeGrower(const TrainerOptions& options, std::span<const TrainingPerson> persons, std::uint64_t tree_seed)
     : options_(options), persons_(persons), tree_seed_(tree_seed), search_(options) {}
 
 std::optional<GrownSplit> TreeGrower::split(const GrowingNode& node) {

@@ -24,7 +24,7 @@ struct GrownSplit {
 /// Grows nodes of one tree. Not thread-safe: one a thread; several may work on disjoint nodes of the same tree.
 class TreeGrower {
  public:
-  TreeGrower(const TrainingOptions& options, std::span<const TrainingPerson> persons, std::uint64_t tree_seed);
+  TreeGrower(const TrainerOptions& options, std::span<const TrainingPerson> persons, std::uint64_t tree_seed);
 
   /// Nothing where the node is to be a leaf.
   [[nodiscard]] std::optional<GrownSplit> split(const GrowingNode& node);
@@ -32,7 +32,7 @@ class TreeGrower {
   [[nodiscard]] Tree grow(const GrowingNode& node, const std::stop_token& stop);
 
  private:
-  TrainingOptions options_;
+  TrainerOptions options_;
   std::span<const TrainingPerson> persons_;
   std::uint64_t tree_seed_;
   SplitSearch search_;

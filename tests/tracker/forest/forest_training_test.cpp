@@ -18,7 +18,7 @@ std::filesystem::path fresh_folder(const char* name) {
   return folder;
 }
 
-std::vector<std::byte> train(const TrainingOptions& options, std::stop_token stop = {},
+std::vector<std::byte> train(const TrainerOptions& options, std::stop_token stop = {},
                              const std::function<void(double)>& progress = {}) {
   const auto forest = train_forest(options, paper_images(), progress, std::move(stop));
   return forest ? forest->serialize() : std::vector<std::byte>{};
@@ -92,6 +92,7 @@ TEST(ForestTraining, OptionsOutOfRangeAndImagesOfNobodyAreErrors) {
     image.intrinsics = qvga();
     image.depth_mm.assign(320 * 240, 0);
     image.part_of_pixel.assign(320 * 240, kNoPart);
+    image.user.assign(320 * 240, 1);
     return image;
   };
   forest = train_forest(options, nobody, {}, {});
@@ -107,6 +108,7 @@ TEST(ForestTraining, ASplitSeparatesTwoHalvesThatOneFeatureTellsApart) {
       const auto pixel = static_cast<std::size_t>(v * 320 + u);
       const bool inside = u >= 100 && u < 200 && v >= 60 && v < 160;
       image.depth_mm[pixel] = inside ? 2000 : 0;
+      image.user[pixel] = inside ? 1 : 0;
       image.part_of_pixel[pixel] = !inside ? kNoPart : static_cast<std::uint8_t>(v < 110 ? 4 : 7);
     }
   }

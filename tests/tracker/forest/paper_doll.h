@@ -72,6 +72,8 @@ struct PaperDoll {
       }
     }
   }
+  image.user.resize(image.part_of_pixel.size());
+  for (std::size_t i = 0; i < image.user.size(); ++i) image.user[i] = image.part_of_pixel[i] == kNoPart ? 0 : 1;
   for (std::size_t j = 0; j < kJointCount; ++j) image.joints[j] = paper_joint(doll, static_cast<JointId>(j));
   return image;
 }
@@ -89,8 +91,8 @@ struct PaperDoll {
 }
 
 /// Trains in a fraction of a second.
-[[nodiscard]] inline TrainingOptions paper_training() {
-  TrainingOptions options;
+[[nodiscard]] inline TrainerOptions paper_training() {
+  TrainerOptions options;
   options.image_count = 40;
   options.tree_count = 2;
   options.max_depth = 10;
@@ -102,13 +104,6 @@ struct PaperDoll {
   options.threads = 1;
   options.command = "paper";
   return options;
-}
-
-/// A mask in which everybody is user 1.
-[[nodiscard]] inline std::vector<std::uint8_t> user_mask(const TrainingImage& image) {
-  std::vector<std::uint8_t> mask(image.part_of_pixel.size());
-  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = image.part_of_pixel[i] == kNoPart ? 0 : 1;
-  return mask;
 }
 
 }  // namespace armature

@@ -22,7 +22,7 @@ double right_share(const Intrinsics& intrinsics, const ClassifierOptions& option
   int right = 0, all = 0;
   for (int i = 1000; i < 1010; ++i) {  // dolls that it never saw
     const TrainingImage image = paper_image(paper_doll(i), intrinsics);
-    const auto mask = user_mask(image);
+    const auto& mask = image.user;
     for (const ClassifiedPixel& pixel : classifier.classify(view_of(image), mask, 1).pixels) {
       ++all;
       if (index(most_likely_part(pixel)) ==
@@ -46,7 +46,7 @@ TEST(PartClassifier, SamplesLieOnTheUserAtTheStrideWithTheirPointAndArea) {
   PartClassifier classifier(paper_forest(), {.stride = 3});
   classifier.reset(qvga());
   const TrainingImage image = paper_image({.x_m = 0.1F, .z_m = 2.0F}, qvga());
-  const auto mask = user_mask(image);
+  const auto& mask = image.user;
   const PartVotes& votes = classifier.classify(view_of(image), mask, 1);
   int expected = 0;
   for (int v = 0; v < 240; v += 3) {
@@ -68,7 +68,7 @@ TEST(PartClassifier, WhatIsNotTheUserDoesNotMatter) {
   PartClassifier classifier(paper_forest());
   classifier.reset(qvga());
   TrainingImage image = paper_image({}, qvga());
-  auto mask = user_mask(image);
+  auto mask = image.user;
   const auto before = classifier.classify(view_of(image), mask, 1).pixels;
   const std::vector<ClassifiedPixel> alone(before.begin(), before.end());
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -86,12 +86,12 @@ TEST(PartClassifier, NobodyAnotherSizeAndAHoleGiveNoPixels) {
   PartClassifier classifier(paper_forest());
   classifier.reset(qvga());
   const TrainingImage image = paper_image({}, qvga());
-  const auto mask = user_mask(image);
+  const auto& mask = image.user;
   EXPECT_TRUE(classifier.classify(view_of(image), mask, 2).pixels.empty());
   EXPECT_TRUE(classifier.classify(view_of(image), mask, 0).pixels.empty());
   EXPECT_TRUE(classifier.classify(view_of(image), std::span(mask).first(10), 1).pixels.empty());
   const TrainingImage other = paper_image({}, vga());
-  const auto other_mask = user_mask(other);
+  const auto& other_mask = other.user;
   EXPECT_TRUE(classifier.classify(view_of(other), other_mask, 1).pixels.empty());
 
   // A mask over pixels without depth.

@@ -42,7 +42,7 @@ class PaperTracker {
   }
   Skeleton track(const PaperDoll& doll) {
     const TrainingImage image = paper_image(doll, qvga());
-    return track(image, user_mask(image));
+    return track(image, image.user);
   }
   JointEstimator& estimator() { return estimator_; }
 
@@ -138,7 +138,7 @@ TEST(JointEstimator, TheSameFramesGiveTheSameJointsAfterAReset) {
 TEST(JointEstimator, AFrameAllocatesNothing) {
   PaperTracker tracker(qvga());
   const TrainingImage image = paper_image(paper_doll(3), qvga());
-  const auto mask = user_mask(image);
+  const auto& mask = image.user;
   (void)tracker.track(image, mask);
   const long before = allocations;
   for (int i = 0; i < 3; ++i) (void)tracker.track(image, mask);

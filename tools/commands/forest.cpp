@@ -1,0 +1,134 @@
+#include <charconv>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "tools/commands/commands.h"
+#include "tools/evaluation/forest_evaluation.h"
+#include "tools/interrupt.h"
+#include "tools/json_lines.h"
+#include "tools/progress.h"
+#include "tracker/forest/trainer.h"
+
+namespace armature::tools {
+namespace {
+
+struct TrainArguments {
+  std::string out;
+  TrainerOptions options;
+};
+
+/// The command that repeats a training run: what decides about the result, nothing else.
+std::string command_of(const TrainerOptions& o) {
+  return "armature forest train OUT.forest --images " + std::to_string(o.image_count) + " --trees " +
+         std::to_string(o.tree_count) + " --depth " + std::to_string(o.max_depth) + " --pixels " +
+         std::to_string(o.pixels_per_image) + " --features " + std::to_string(o.features_per_node) + " --min-leaf " +
+         std::to_string(o.min_leaf_samples) + " --seed " + std::to_string(o.seed);
+}
+
+Expected<void> train(const TrainArguments& arguments) {
+  TrainerOptions options = arguments.options;
+  options.command = command_of(options);
+  options.checkpoint = arguments.out + ".checkpoint";
+  const Interrupt interrupt;
+  ProgressBar bar({.title = "training"});
+  const auto forest = train_forest(
+      options, [&](int i) { return synthetic_image(training_seed(options.seed, static_cast<std::uint64_t>(i))); },
+      bar.callback(), interrupt.token());
+  bar.finish();
+  if (!forest) return tl::unexpected(forest.error());
+  return forest->save(arguments.out);
+}
+
+Expected<void> print_info(const std::string& path, bool json) {
+  const auto forest = Forest::load(path);
+  if (!forest) return tl::unexpected(forest.error());
+  std::size_t nodes = 0, leaves = 0;
+  for (const Tree& tree : forest->trees()) {
+    nodes += tree.nodes.size();
+    leaves += tree.leaves.size();
+  }
+  std::array<char, 9> checksum{};
+  std::snprintf(checksum.data(), checksum.size(), "%08x", forest->checksum());
+  const std::size_t bytes = forest->serialize().size();
+  if (json) {
+    return write_json_line(stdout, {{"model", path},
+                                    {"bytes", bytes},
+                                    {"checksum", checksum.data()},
+                                    {"trees", forest->trees().size()},
+                                    {"depth", forest->depth()},
+                                    {"splits", nodes},
+                                    {"leaves", leaves},
+                                    {"command", forest->command()}});
+  }
+  std::printf("%s\n  %zu trees, %d deep, %zu splits, %zu leaves, %.1f MB\n  checksum %s (CRC-32)\n  made by: %s\n",
+              path.c_str(), forest->trees().size(), forest->depth(), nodes, leaves, static_cast<double>(bytes) / 1e6,
+              checksum.data(), forest->command().c_str());
+  return {};
+}
+
+void add_train(CLI::App& forest, Run& run) {
+  auto* command = forest.add_subcommand("train", "Train a part forest on synthetic people.");
+  command->footer(
+      "The same options give the same file, whatever the number of threads. Ctrl-C stops; what was finished stays in\n"
+      "OUT.forest.checkpoint and --resume goes on from there.\n\n"
+      "Example: armature forest train person.forest --images 4000 --trees 3 --depth 17");
+  auto arguments = std::make_shared<TrainArguments>();
+  TrainerOptions& o = arguments->options;
+  command->add_option("OUT", arguments->out, "the model to write")->required();
+  command->add_option("--images", o.image_count, "synthetic people to learn from")->capture_default_str();
+  command->add_option("--trees", o.tree_count, "trees")->capture_default_str();
+  command->add_option("--depth", o.max_depth, "decisions on a path, at most")->capture_default_str();
+  command->add_option("--pixels", o.pixels_per_image, "pixels of each image that a tree sees")->capture_default_str();
+  command->add_option("--features", o.features_per_node, "random features tried at each split")->capture_default_str();
+  command->add_option("--min-leaf", o.min_leaf_samples, "pixels in a leaf, at least")->capture_default_str();
+  command->add_option("--seed", o.seed, "of the images and the trees")->capture_default_str();
+  command->add_option("--threads", o.threads, "0: one a core")->capture_default_str();
+  command->add_flag("--resume", o.resume, "go on with an interrupted run of the same options");
+  command->callback([arguments, &run] { run = [arguments] { return train(*arguments); }; });
+}
+
+void add_evaluate(CLI::App& forest, Run& run) {
+  auto* command = forest.add_subcommand("evaluate", "Measure a part forest on people it was not trained on.");
+  command->footer(
+      "Synthetic people: share of pixels with the right part, mAP at 10 cm and mean error of each joint.\n"
+      "Real people (--utd, recordings with the joints of the Kinect SDK): deviation after removing one constant "
+      "offset\n"
+      "a sequence, and the correlation of motion angles; as is and with the SDK's joints delayed by 1.5 frames.\n\n"
+      "Example: armature forest evaluate person.forest --utd recordings/utd");
+  auto options = std::make_shared<EvaluationOptions>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("MODEL", options->model, "a model of `armature forest train`")->required();
+  command->add_option("--images", options->image_count, "synthetic people, of seeds kept for this")
+      ->capture_default_str();
+  command->add_option("--stride", options->stride, "pixels between samples; 0: the tracker's own choice")
+      ->capture_default_str();
+  command->add_option("--utd", options->utd_folder, "a folder of aA_sS_tT.u16.zst and .joints.csv");
+  command->add_flag("--all", options->all_actions, "every action in --utd, not only 1-4, 22, 23, 26 and 27");
+  command->add_flag("--json", *json, "one JSON object a line");
+  command->callback([options, json, &run] {
+    run = [options, json]() -> Expected<void> { return evaluate_forest(*options, *json); };
+  });
+}
+
+void add_info(CLI::App& forest, Run& run) {
+  auto* command = forest.add_subcommand("info", "Say what a model file holds and how it was made.");
+  command->footer("Example: armature forest info person.forest");
+  auto path = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("MODEL", *path, "a model of `armature forest train`")->required();
+  command->add_flag("--json", *json, "one JSON object a line");
+  command->callback([path, json, &run] { run = [path, json] { return print_info(*path, *json); }; });
+}
+
+}  // namespace
+
+void add_forest(CLI::App& app, Run& run) {
+  auto* forest = app.add_subcommand("forest", "Train, measure and describe the forest that labels body parts.");
+  forest->require_subcommand(1);
+  add_train(*forest, run);
+  add_evaluate(*forest, run);
+  add_info(*forest, run);
+}
+
+}  // namespace armature::tools

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "tracker/forest/part_classifier.h"
+#include "tracker/joints/joint_estimator.h"
+
+namespace armature::tools {
+
+/// The joints that motions are measured with.
+inline constexpr std::array kNavigationJoints = {JointId::Head,         JointId::Neck,          JointId::Waist,
+                                                 JointId::LeftShoulder, JointId::RightShoulder, JointId::LeftHip,
+                                                 JointId::RightHip,     JointId::LeftKnee,      JointId::RightKnee};
+
+/// Forest and joints without the rest of the pipeline, for people who are segmented already.
+class SkeletonTracker {
+ public:
+  SkeletonTracker(std::shared_ptr<const Forest> forest, int stride)
+      : classifier_(std::move(forest), {.stride = stride}) {}
+
+  /// Forgets the person, and takes memory for images of this size.
+  void reset(const Intrinsics& intrinsics) {
+    classifier_.reset(intrinsics);
+    estimator_.reset();
+  }
+  /// `mask` [height][width]: 1 where the person is.
+  const Skeleton& track(DepthView frame, std::span<const std::uint8_t> mask) {
+    votes_ = &classifier_.classify(frame, mask, 1);
+    estimator_.estimate(*votes_, skeleton_);
+    return skeleton_;
+  }
+  /// Of the last track().
+  [[nodiscard]] const PartVotes& votes() const { return *votes_; }
+
+ private:
+  PartClassifier classifier_;
+  JointEstimator estimator_;
+  const PartVotes* votes_ = nullptr;
+  Skeleton skeleton_;
+};
+
+}  // namespace armature::tools
