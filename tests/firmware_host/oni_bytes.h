@@ -84,7 +84,7 @@ class OniBytes {
     return read_oni_layout(
         [&](std::uint64_t offset, std::span<std::byte> out) {
           if (offset > bytes.size() || bytes.size() - offset < out.size()) return false;
-          std::memcpy(out.data(), bytes.data() + offset, out.size());
+          if (!out.empty()) std::memcpy(out.data(), bytes.data() + offset, out.size());
           return true;
         },
         bytes.size(), "a.oni");
