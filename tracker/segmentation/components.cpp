@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMinCells = 6;
 constexpr int kHoleCells = 3;     ///< drop-outs up to this wide do not cut a surface
+constexpr float kEdgeSteps = 1.6F;  ///< continuity tolerances over two cells that make the middle one an edge
 constexpr int kContactCells = 5;  ///< the projector's shadow beside something near is about this wide
 
 std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
@@ -15,7 +16,11 @@ std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
 }  // namespace
 
 ComponentFinder::ComponentFinder(int cells)
-    : parent_(at(cells)), cells_of_root_(at(cells)), label_of_root_(at(cells)), labels_(at(cells)) {
+    : edges_(at(cells)),
+      parent_(at(cells)),
+      cells_of_root_(at(cells)),
+      label_of_root_(at(cells)),
+      labels_(at(cells)) {
   sizes_.reserve(at(cells));
 }
 
@@ -37,10 +42,28 @@ void ComponentFinder::join(int a, int b) noexcept {
 
 void ComponentFinder::find(const DepthGrid& grid, std::span<const std::uint8_t> kind,
                            const Eigen::Vector3f& up) noexcept {
+  mark_edges(grid);
   link(grid, kind);
   rank();
   measure(grid, kind, up);
   touch(grid);
+}
+
+void ComponentFinder::mark_edges(const DepthGrid& grid) noexcept {
+  const auto& z = grid.depth;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const int i = y * grid.width + x;
+      edges_[at(i)] = Edge::None;
+      if (x == 0 || x + 1 == grid.width || z[at(i)] <= 0 || z[at(i - 1)] <= 0 || z[at(i + 1)] <= 0) continue;
+      const float to_right = z[at(i + 1)] - z[at(i)];
+      const float to_left = z[at(i)] - z[at(i - 1)];
+      const float tolerance = continuity_tolerance(z[at(i)]);
+      if (std::abs(to_right + to_left) < kEdgeSteps * tolerance) continue;
+      if (std::min(to_right, to_left) > 0) edges_[at(i)] = Edge::FarRight;
+      if (std::max(to_right, to_left) < 0) edges_[at(i)] = Edge::FarLeft;
+    }
+  }
 }
 
 void ComponentFinder::link(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept {
@@ -57,20 +80,25 @@ void ComponentFinder::link(const DepthGrid& grid, std::span<const std::uint8_t> 
       // Neighbours across a hole count as neighbours.
       for (int step = 1; step <= std::min(x, kHoleCells + 1); ++step) {
         if (kind[at(i - step)] != 0) {
-          if (same_surface(i, i - step)) join(i, i - step);
+          const bool leaves = edges_[at(i)] == Edge::FarLeft || edges_[at(i - step)] == Edge::FarRight;
+          if (!leaves && same_surface(i, i - step)) join(i, i - step);
           break;
         }
         if (z[at(i - step)] > 0) break;
       }
       for (int step = 1; step <= std::min(y, kHoleCells + 1); ++step) {
         if (kind[at(i - step * w)] != 0) {
-          if (same_surface(i, i - step * w)) join(i, i - step * w);
+          if (edges_[at(i)] == edges_[at(i - step * w)] && same_surface(i, i - step * w)) join(i, i - step * w);
           break;
         }
         if (z[at(i - step * w)] > 0) break;
       }
-      if (y > 0 && x > 0 && kind[at(i - w - 1)] != 0 && same_surface(i, i - w - 1)) join(i, i - w - 1);
-      if (y > 0 && x + 1 < w && kind[at(i - w + 1)] != 0 && same_surface(i, i - w + 1)) join(i, i - w + 1);
+      if (y == 0 || edges_[at(i)] != Edge::None) continue;
+      const auto diagonal = [&](int j) {
+        if (kind[at(j)] != 0 && edges_[at(j)] == Edge::None && same_surface(i, j)) join(i, j);
+      };
+      if (x > 0) diagonal(i - w - 1);
+      if (x + 1 < w) diagonal(i - w + 1);
     }
   }
   std::ranges::fill(cells_of_root_, 0);

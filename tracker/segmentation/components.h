@@ -54,15 +54,20 @@ class ComponentFinder {
  private:
   [[nodiscard]] int root(int cell) noexcept;
   void join(int a, int b) noexcept;
+  void mark_edges(const DepthGrid& grid) noexcept;
   void link(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept;
   void rank() noexcept;
   void measure(const DepthGrid& grid, std::span<const std::uint8_t> kind, const Eigen::Vector3f& up) noexcept;
   void touch(const DepthGrid& grid) noexcept;
 
+  /// A cell between a near and a far surface (a flying pixel) hangs on to the near one.
+  enum class Edge : std::uint8_t { None, FarLeft, FarRight };
+
   struct Size {
     int root;
     int cells;
   };
+  std::vector<Edge> edges_;
   std::vector<int> parent_;
   std::vector<int> cells_of_root_;
   std::vector<Size> sizes_;

@@ -43,7 +43,7 @@ void sample(DepthView frame, DepthGrid& grid) noexcept;
 
 /// By how much the depth of neighbouring cells of one surface may differ, metres. Structured light measures disparity:
 /// its noise grows with the square of the distance.
-[[nodiscard]] constexpr float continuity_tolerance(float z) noexcept { return 0.03F + 0.009F * z * z; }
+[[nodiscard]] constexpr float continuity_tolerance(float z) noexcept { return 0.03F + 0.006F * z * z; }
 
 /// A step of a Kinect's disparity, in 1/m (Khoshelham and Elberink 2012: 1/8 pixel, f = 580 px, baseline 7.5 cm).
 inline constexpr float kDisparityStep = 1.0F / 348.0F;

@@ -12,6 +12,72 @@ constexpr float kFloorThickness = 0.025F;  ///< metres of what stands on the flo
 
 std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
 
+/// A cell and the eight around it, whose surfaces its pixels may continue; row by row, the cell itself in the middle.
+struct Neighbourhood {
+  std::array<std::uint8_t, 9> owner{};
+  std::array<float, 9> depth_mm{};
+  bool anybody = false;
+  bool one_surface = false;  ///< all nine belong to one user
+};
+
+Neighbourhood neighbourhood(const MaskInput& input, int x, int y) noexcept {
+  const DepthGrid& grid = input.grid;
+  Neighbourhood around;
+  bool same = true;
+  for (int dy = -1, k = 0; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx, ++k) {
+      if (y + dy < 0 || y + dy >= grid.height || x + dx < 0 || x + dx >= grid.width) {
+        same = false;
+        continue;
+      }
+      const auto cell = at((y + dy) * grid.width + x + dx);
+      around.owner[at(k)] = input.owners[cell];
+      around.depth_mm[at(k)] = 1e3F * grid.depth[cell];
+      around.anybody |= input.owners[cell] != 0;
+      same &= around.owner[at(k)] == around.owner[0];
+    }
+  }
+  around.one_surface = same && around.anybody;
+  return around;
+}
+
+/// The pixels of one cell.
+struct Block {
+  int left, top, right, bottom;
+};
+
+/// The user of a pixel, 0 = nobody.
+std::uint8_t owner_of(const Neighbourhood& around, float z_mm, int side_x, int side_y) noexcept {
+  std::uint8_t best = 0;
+  float best_step = 1e3F * continuity_tolerance(1e-3F * z_mm);
+  for (const int k : {4, 3 + side_x, side_y + 1, side_y + side_x}) {
+    const float step = std::abs(around.depth_mm[at(k)] - z_mm);
+    if (step >= best_step) continue;
+    best_step = step;
+    best = around.owner[at(k)];
+  }
+  return best;
+}
+
+/// Rows and columns of the grid in which there is somebody, and one more on each side; empty where there is nobody.
+Block occupied(const MaskInput& input) noexcept {
+  const DepthGrid& grid = input.grid;
+  Block box{grid.width, grid.height, 0, 0};
+  for (int y = 0; y < grid.height; ++y) {
+    const auto row = input.owners.subspan(at(y * grid.width), at(grid.width));
+    const auto first = std::ranges::find_if(row, [](std::uint8_t owner) { return owner != 0; });
+    if (first == row.end()) continue;
+    int last = grid.width - 1;
+    while (row[at(last)] == 0) --last;
+    box.left = std::min(box.left, static_cast<int>(first - row.begin()) - 1);
+    box.right = std::max(box.right, last + 2);
+    box.top = std::min(box.top, y - 1);
+    box.bottom = y + 2;
+  }
+  return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, grid.width),
+          std::min(box.bottom, grid.height)};
+}
+
 }  // namespace
 
 float floor_margin(const ImagePlane& floor, float w) noexcept {
@@ -24,64 +90,49 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
                     std::span<User> users) noexcept {
   const DepthGrid& grid = input.grid;
   const int s = grid.stride;
-  const int width = frame.width();
-  const int height = frame.height();
+  const int half = s / 2;
+  const Intrinsics& k = frame.intrinsics;
   std::memset(mask.data(), 0, mask.size());
-  for (int y = 0; y < grid.height; ++y) {
-    const int v_end = std::min((y + 1) * s, height);
-    for (int x = 0; x < grid.width; ++x) {
-      // The cells around this one, whose surfaces its pixels may continue.
-      std::array<std::uint8_t, 9> owner{};
-      std::array<float, 9> depth_mm{};
-      bool anybody = false;
-      for (int dy = -1; dy <= 1; ++dy) {
-        if (y + dy < 0 || y + dy >= grid.height) continue;
-        for (int dx = -1; dx <= 1; ++dx) {
-          if (x + dx < 0 || x + dx >= grid.width) continue;
-          const int cell = (y + dy) * grid.width + x + dx;
-          const auto k = at((dy + 1) * 3 + dx + 1);
-          owner[k] = input.owners[at(cell)];
-          depth_mm[k] = 1e3F * grid.depth[at(cell)];
-          anybody |= owner[k] != 0;
-        }
-      }
-      if (!anybody) continue;
-      const int u_end = std::min((x + 1) * s, width);
-      for (int v = y * s; v < v_end; ++v) {
-        const int side_y = 2 * (v - y * s) < s - (s & 1) ? 0 : 6;
-        for (int u = x * s; u < u_end; ++u) {
-          const std::uint16_t mm = frame.at(u, v);
+  const Block box = occupied(input);
+  for (int y = box.top; y < box.bottom; ++y) {
+    for (int x = box.left; x < box.right; ++x) {
+      const Neighbourhood around = neighbourhood(input, x, y);
+      if (!around.anybody) continue;
+      const Block block{x * s, y * s, std::min((x + 1) * s, k.width), std::min((y + 1) * s, k.height)};
+      const float cell_w = grid.inverse_depth[at(y * grid.width + x)];
+      // Well above the floor the pixels need not be held against it one by one.
+      const bool near_floor =
+          input.floor != nullptr &&
+          (!around.one_surface || cell_w - input.floor->inverse_depth(grid.ray_x[at(x)], grid.ray_y[at(y)]) <
+                                      4 * floor_margin(*input.floor, cell_w));
+      const float same_surface_mm = 1e3F * continuity_tolerance(1e-3F * around.depth_mm[4]);
+      for (int v = block.top; v < block.bottom; ++v) {
+        const int side_y = v - block.top < half ? 0 : 6;
+        const auto row = at(v) * at(k.width);
+        for (int u = block.left; u < block.right; ++u) {
+          const std::uint16_t mm = frame.depth_mm[row + at(u)];
           if (mm == 0) continue;
-          const int side_x = 2 * (u - x * s) < s - (s & 1) ? 0 : 2;
-          const float z_mm = static_cast<float>(mm);
-          std::uint8_t best = 0;
-          float best_step = 1e3F * continuity_tolerance(1e-3F * z_mm);
-          for (const int k : {4, 3 + side_x, side_y + 1, side_y + side_x}) {
-            const float step = std::abs(depth_mm[at(k)] - z_mm);
-            if (step >= best_step) continue;
-            best_step = step;
-            best = owner[at(k)];
-          }
-          if (best == 0) continue;
-          if (input.floor != nullptr) {
-            const float ray_x = static_cast<float>((u - frame.intrinsics.centre_x_px) / frame.intrinsics.focal_x_px);
-            const float ray_y = static_cast<float>((v - frame.intrinsics.centre_y_px) / frame.intrinsics.focal_y_px);
+          const auto z_mm = static_cast<float>(mm);
+          const bool inside = around.one_surface && std::abs(z_mm - around.depth_mm[4]) < same_surface_mm;
+          const std::uint8_t owner = inside ? around.owner[4]
+                                            : owner_of(around, z_mm, u - block.left < half ? 0 : 2, side_y);
+          if (owner == 0) continue;
+          if (near_floor) {
+            const auto ray_x = static_cast<float>((u - k.centre_x_px) / k.focal_x_px);
+            const auto ray_y = static_cast<float>((v - k.centre_y_px) / k.focal_y_px);
             const float w = 1e3F / z_mm;
             if (w - input.floor->inverse_depth(ray_x, ray_y) < floor_margin(*input.floor, w)) continue;
           }
-          mask[at(v) * at(width) + at(u)] = input.ids[best - std::size_t{1}];
-          User& user = users[best - std::size_t{1}];
+          mask[row + at(u)] = input.ids[owner - std::size_t{1}];
+          User& user = users[owner - std::size_t{1}];
           if (user.pixel_count++ == 0) {
             user.left = u;
             user.top = v;
-            user.right = u + 1;
-            user.bottom = v + 1;
-          } else {
-            user.left = std::min(user.left, u);
-            user.top = std::min(user.top, v);
-            user.right = std::max(user.right, u + 1);
-            user.bottom = std::max(user.bottom, v + 1);
           }
+          user.left = std::min(user.left, u);
+          user.top = std::min(user.top, v);
+          user.right = std::max(user.right, u + 1);
+          user.bottom = std::max(user.bottom, v + 1);
         }
       }
     }

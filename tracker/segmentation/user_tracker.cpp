@@ -17,6 +17,11 @@ constexpr float kMinHeadHeight = 0.95F;  ///< above the floor: a chair's back is
 constexpr float kMaxHeadHeight = 2.4F;
 constexpr float kMaxFeetHeight = 0.75F;  ///< above the floor, unless cut by the image: what hangs on a wall is higher
 
+// Two who touch.
+constexpr float kMinOfPairArea = 0.35F;  ///< of each
+constexpr float kMinValley = 0.12F;      ///< from the lower head to the shoulders between them
+
+constexpr int kMaxId = 250;
 constexpr float kMinTrackedArea = 0.04F;  ///< less of a known user is not enough to go on
 constexpr float kMaxTrackedArea = 2.5F;   ///< more is a room that has moved, not a user
 constexpr float kSameSurface = 0.20F;     ///< metres along z that a user's surface moves in a frame at most
@@ -35,6 +40,19 @@ float level_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) noexcep
   return std::hypot(a.x() - b.x(), a.z() - b.z());
 }
 
+/// The largest piece beside a body that is taken for a part of it, square metres. Where the background is not known, a
+/// hand or forearm may hang in the air before the body; behind it only a lower leg is likely, all else is furniture.
+float most_to_attach(const Component& piece, const Component& body) noexcept {
+  const bool was_not_there = piece.foreground_cells * 2 > piece.cells;
+  if (was_not_there) return 0.3F;
+  constexpr float kLimb = 0.12F;
+  constexpr float kRemnant = 0.012F;
+  constexpr float kShinHeight = 0.32F;
+  if (piece.centre.z() < body.centre.z() + 0.05F) return kLimb;
+  const bool shin = 0.5F * (piece.lowest + piece.highest) - body.lowest < kShinHeight && piece.area > kRemnant;
+  return shin ? kLimb : 0.0F;
+}
+
 }  // namespace
 
 UserTracker::UserTracker(const SegmentationOptions& options, int cells)
@@ -51,9 +69,10 @@ void UserTracker::update(const DepthGrid& grid, const ComponentFinder& component
   const auto found = components.components();
   const auto labels = components.labels();
   owner_of_.fill(kNobody);
+  taken_.fill(false);
   count_overlaps(grid, labels);
   keep(found);
-  admit(found, floor);
+  admit(grid, components, floor);
   attach(components);
   share(grid, labels);
   move(grid);
@@ -103,23 +122,24 @@ void UserTracker::keep(std::span<const Component> found) noexcept {
       owner_of_[c] = owner_of_[c] == kNobody ? static_cast<std::uint8_t>(t + 1) : kShared;
     };
     give(main);
+    taken_[t] = true;
     for (std::size_t c = 0; c < found.size(); ++c) {
-      if (c == main || overlap_[c][t] * 3 < found[c].cells || overlap_[c][t] * 20 < previous_cells_[t]) continue;
+      if (c == main || overlap_[c][t] * 3 < found[c].cells || overlap_[c][t] * 10 < previous_cells_[t]) continue;
       if (level_distance(found[c].centre, found[main].centre) < kSameBody) give(c);
     }
   }
 }
 
-std::size_t UserTracker::place_for(const Component& c) noexcept {
+std::size_t UserTracker::place_for(const Eigen::Vector3f& centre) noexcept {
   // Somebody who was lost near here, else a free place, else that of whoever has been gone longest.
   std::size_t best = kMaxUsers;
   float best_distance = 0;
   for (std::size_t t = 0; t < kMaxUsers; ++t) {
     const Track& track = tracks_[t];
-    if (track.id == 0 || std::ranges::find(owner_of_, t + 1) != owner_of_.end()) continue;
+    if (track.id == 0 || taken_[t]) continue;
     const float waited = static_cast<float>(track.missed + 1);
     const Eigen::Vector3f expected = track.centre + std::min(waited, 10.0F) * track.velocity;
-    const float distance = std::min(level_distance(expected, c.centre), level_distance(track.centre, c.centre));
+    const float distance = std::min(level_distance(expected, centre), level_distance(track.centre, centre));
     if (distance > std::min(0.4F + 0.04F * waited, 1.2F)) continue;
     if (best < kMaxUsers && distance >= best_distance) continue;
     best = t;
@@ -129,39 +149,120 @@ std::size_t UserTracker::place_for(const Component& c) noexcept {
   for (std::size_t t = 0; t < kMaxUsers; ++t)
     if (tracks_[t].id == 0) return t;
   for (std::size_t t = 0; t < kMaxUsers; ++t) {
-    if (std::ranges::find(owner_of_, t + 1) != owner_of_.end() || tracks_[t].missed == 0) continue;
+    if (taken_[t] || tracks_[t].missed == 0) continue;
     if (best == kMaxUsers || tracks_[t].missed > tracks_[best].missed) best = t;
   }
   if (best < kMaxUsers) tracks_[best] = {};
   return best;
 }
 
-void UserTracker::admit(std::span<const Component> found, const std::optional<FloorPlane>& floor) noexcept {
-  // Components come largest first in the image.
+void UserTracker::admit(const DepthGrid& grid, const ComponentFinder& components,
+                        const std::optional<FloorPlane>& floor) noexcept {
+  const auto found = components.components();
   for (std::size_t c = 0; c < found.size(); ++c) {
-    if (owner_of_[c] != kNobody || !in_zone(found[c], 0) || !human_sized(found[c], floor)) continue;
-    bool part_of_somebody = false;
-    for (std::size_t other = 0; other < found.size() && !part_of_somebody; ++other) {
+    if (owner_of_[c] != kNobody || !in_zone(found[c], 0)) continue;
+    if (admit_pair(grid, components, c)) continue;
+    if (!human_sized(found[c], floor)) continue;
+    for (std::size_t other = 0; other < found.size() && owner_of_[c] == kNobody; ++other) {
       if (owner_of_[other] == kNobody || owner_of_[other] == kShared) continue;
-      if (level_distance(found[other].centre, found[c].centre) >= kSameBody) continue;
-      owner_of_[c] = owner_of_[other];
-      part_of_somebody = true;
+      if (level_distance(found[other].centre, found[c].centre) < kSameBody) owner_of_[c] = owner_of_[other];
     }
-    if (part_of_somebody) continue;
-    const std::size_t t = place_for(found[c]);
+    if (owner_of_[c] != kNobody) continue;
+    const std::size_t t = place_for(found[c].centre);
     if (t == kMaxUsers) continue;
-    if (tracks_[t].id == 0) {
-      last_id_ = static_cast<std::uint8_t>(last_id_ % 250 + 1);
-      while (std::ranges::find(tracks_, last_id_, &Track::id) != tracks_.end())
-        last_id_ = static_cast<std::uint8_t>(last_id_ % 250 + 1);
-      tracks_[t] = {};
-      tracks_[t].id = last_id_;
-      tracks_[t].birthplace = found[c].centre;
-    }
-    tracks_[t].centre = found[c].centre;
-    tracks_[t].velocity.setZero();
+    welcome(t, found[c].centre);
     owner_of_[c] = static_cast<std::uint8_t>(t + 1);
   }
+}
+
+void UserTracker::welcome(std::size_t place, const Eigen::Vector3f& centre) noexcept {
+  Track& track = tracks_[place];
+  if (track.id == 0) {
+    do last_id_ = static_cast<std::uint8_t>(last_id_ % kMaxId + 1);
+    while (std::ranges::find(tracks_, last_id_, &Track::id) != tracks_.end());
+    track = {};
+    track.id = last_id_;
+    track.birthplace = centre;
+  }
+  track.centre = centre;
+  track.velocity.setZero();
+  taken_[place] = true;
+}
+
+bool UserTracker::admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept {
+  // Two who stand shoulder to shoulder are one component with two heads. Its outline over x has a valley.
+  const Component& pair = components.components()[c];
+  if (pair.area < 2 * kMinOfPairArea || pair.area > 2 * kMaxBodyArea) return false;
+  if (pair.height() < kMinBodyHeight || pair.height() > kMaxBodyHeight || pair.far - pair.near > kMaxBodyDepth)
+    return false;
+  constexpr float kColumn = 0.04F;
+  constexpr std::size_t kColumns = 64;
+  if (pair.width() > kColumn * (kColumns - 1)) return false;
+  struct Column {
+    float top = 1e9F;  // y of the highest point: nobody leans so far that the camera's axis will not do
+    float area = 0;
+    float moment = 0;
+  };
+  std::array<Column, kColumns> columns{};
+  const auto labels = components.labels();
+  const auto column_of = [&](float x) { return static_cast<std::size_t>((x - pair.left) / kColumn); };
+  for (int y = 0, i = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x, ++i) {
+      if (labels[at(i)] != c + 1) continue;
+      const float z = grid.depth[at(i)];
+      const float px = grid.ray_x[at(x)] * z;
+      Column& column = columns[column_of(px)];
+      column.top = std::min(column.top, grid.ray_y[at(y)] * z);
+      column.area += grid.area(z);
+      column.moment += grid.area(z) * px;
+    }
+  }
+  std::size_t valley = 0;
+  float deepest = kMinValley;
+  Column left;
+  Column all_right;
+  std::array<float, 2> centre{};
+  for (const Column& column : columns) {
+    all_right.area += column.area;
+    all_right.moment += column.moment;
+  }
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    float right_top = 1e9F;
+    for (std::size_t j = k; j < kColumns; ++j) right_top = std::min(right_top, columns[j].top);
+    const float right_area = all_right.area - left.area;
+    const float depth = columns[k].top - std::max(left.top, right_top);
+    if (left.area >= kMinOfPairArea && right_area >= kMinOfPairArea && depth > deepest) {
+      const float left_x = left.moment / left.area;
+      const float right_x = (all_right.moment - left.moment) / right_area;
+      if (right_x - left_x >= kSameBody) {
+        deepest = depth;
+        valley = k;
+        centre = {left_x, right_x};
+      }
+    }
+    left.top = std::min(left.top, columns[k].top);
+    left.area += columns[k].area;
+    left.moment += columns[k].moment;
+  }
+  if (valley == 0) return false;
+  std::array<std::size_t, 2> place{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Eigen::Vector3f expected(centre[side], pair.centre.y(), pair.centre.z());
+    place[side] = place_for(expected);
+    if (place[side] == kMaxUsers) return side > 0;
+    welcome(place[side], expected);
+  }
+  // From here on they are two who have met: as if each had been on her side a frame ago.
+  owner_of_[c] = kShared;
+  for (int y = 0, i = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x, ++i) {
+      if (labels[at(i)] != c + 1) continue;
+      const std::size_t side = column_of(grid.ray_x[at(x)] * grid.depth[at(i)]) < valley ? 0 : 1;
+      previous_owners_[at(i)] = static_cast<std::uint8_t>(place[side] + 1);
+      previous_depth_[at(i)] = grid.depth[at(i)];
+    }
+  }
+  return true;
 }
 
 void UserTracker::attach(const ComponentFinder& components) noexcept {
@@ -179,11 +280,7 @@ void UserTracker::attach(const ComponentFinder& components) noexcept {
         if (contact.cells == 0 || contact.smallest_step >= best_step) continue;
         const Track& track = tracks_[before[body] - std::size_t{1}];
         if ((found[c].centre - track.centre).norm() > kReach) continue;
-        const bool was_not_there = found[c].foreground_cells * 2 > found[c].cells;
-        const bool before_body = found[c].centre.z() < found[body].centre.z() + 0.05F;
-        const bool beside_body = contact.smallest_step < 0.2F;
-        const float most = was_not_there ? 0.3F : before_body ? 0.12F : beside_body ? 0.05F : 0.0F;
-        if (found[c].area > most) continue;
+        if (found[c].area > most_to_attach(found[c], found[body])) continue;
         best_step = contact.smallest_step;
         owner_of_[c] = before[body];
       }

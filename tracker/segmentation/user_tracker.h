@@ -34,8 +34,9 @@ class UserTracker {
 
   UserTracker(const SegmentationOptions& options, int cells);
 
-  /// `floor` as in Segmentation; heights of `components` are along `up`.
-  void update(const DepthGrid& grid, const ComponentFinder& components, const std::optional<FloorPlane>& floor) noexcept;
+  /// `floor` as in Segmentation.
+  void update(const DepthGrid& grid, const ComponentFinder& components,
+              const std::optional<FloorPlane>& floor) noexcept;
 
   [[nodiscard]] std::span<const Track> tracks() const noexcept { return tracks_; }
   /// [height][width], 0 = nobody, else 1 + index into tracks().
@@ -52,12 +53,15 @@ class UserTracker {
   [[nodiscard]] bool in_zone(const Component& c, float margin) const noexcept;
   void count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void keep(std::span<const Component> found) noexcept;
-  void admit(std::span<const Component> found, const std::optional<FloorPlane>& floor) noexcept;
+  void admit(const DepthGrid& grid, const ComponentFinder& components,
+             const std::optional<FloorPlane>& floor) noexcept;
+  void welcome(std::size_t place, const Eigen::Vector3f& centre) noexcept;
+  [[nodiscard]] bool admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept;
   void attach(const ComponentFinder& components) noexcept;
   void share(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void move(const DepthGrid& grid) noexcept;
   void dismiss_furniture() noexcept;
-  [[nodiscard]] std::size_t place_for(const Component& c) noexcept;
+  [[nodiscard]] std::size_t place_for(const Eigen::Vector3f& centre) noexcept;
 
   SegmentationOptions options_;
   std::array<Track, kMaxUsers> tracks_{};
@@ -70,6 +74,7 @@ class UserTracker {
   std::array<std::uint8_t, kMaxComponents> owner_of_{};  ///< per component: kNobody, 1 + track, or kShared
   std::array<std::array<int, kMaxUsers>, kMaxComponents> overlap_{};  ///< cells that were a user's a frame ago
   std::array<int, kMaxUsers> previous_cells_{};
+  std::array<bool, kMaxUsers> taken_{};  ///< by place: has a component in this frame
 };
 
 }  // namespace armature
