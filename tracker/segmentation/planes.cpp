@@ -75,9 +75,9 @@ PlaneFinder::PlaneFinder(int max_cells) {
   remaining_.reserve(n);
 }
 
-void PlaneFinder::update(const DepthGrid& grid) noexcept {
+void PlaneFinder::update(const DepthGrid& grid, std::span<const std::uint8_t> users) noexcept {
   random_state_ = 0x9E3779B9U;
-  collect(grid);
+  collect(grid, users);
   const bool search = frame_ < kEagerFrames || frame_ % kSearchPeriod == 0;
   if (floor_) follow_floor();
   if (!floor_ || search) find_floor();
@@ -85,7 +85,7 @@ void PlaneFinder::update(const DepthGrid& grid) noexcept {
   if (frame_ < 1 << 30) ++frame_;
 }
 
-void PlaneFinder::collect(const DepthGrid& grid) noexcept {
+void PlaneFinder::collect(const DepthGrid& grid, std::span<const std::uint8_t> users) noexcept {
   samples_.clear();
   floor_like_.clear();
   const int reach = std::max(1, grid.height / 24);
@@ -93,7 +93,7 @@ void PlaneFinder::collect(const DepthGrid& grid) noexcept {
     for (int x = kSampleStep / 2; x < grid.width; x += kSampleStep) {
       const auto cell = static_cast<std::size_t>(y * grid.width + x);
       const float w = grid.inverse_depth[cell];
-      if (w <= 0) continue;
+      if (w <= 0 || users[cell] != 0) continue;
       Sample s{grid.ray_x[static_cast<std::size_t>(x)], grid.ray_y[static_cast<std::size_t>(y)], w,
                grid.area(grid.depth[cell]) * kSampleStep * kSampleStep, false};
       s.floor_like = slopes_like_floor(grid, x, y, -reach) || slopes_like_floor(grid, x, y, reach);

@@ -30,7 +30,8 @@ class PlaneFinder {
  public:
   explicit PlaneFinder(int max_cells);
 
-  void update(const DepthGrid& grid) noexcept;
+  /// Cells with a non-zero entry in `users` ([cells]) are nobody's floor or wall.
+  void update(const DepthGrid& grid, std::span<const std::uint8_t> users) noexcept;
 
   [[nodiscard]] const std::optional<ImagePlane>& floor() const noexcept { return floor_; }
   [[nodiscard]] std::span<const ImagePlane> walls() const noexcept { return {walls_.data(), wall_count_}; }
@@ -46,7 +47,7 @@ class PlaneFinder {
   };
   static constexpr std::size_t kMaxWalls = 4;
 
-  void collect(const DepthGrid& grid) noexcept;
+  void collect(const DepthGrid& grid, std::span<const std::uint8_t> users) noexcept;
   [[nodiscard]] std::uint32_t random(std::uint32_t below) noexcept;
   [[nodiscard]] std::optional<ImagePlane> through_random_samples(std::span<const std::uint16_t> from) noexcept;
   [[nodiscard]] std::optional<ImagePlane> refined(ImagePlane plane, std::span<const std::uint16_t> from,

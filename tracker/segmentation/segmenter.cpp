@@ -74,7 +74,7 @@ const Segmentation& Segmenter::process(DepthView frame) noexcept {
   }
   Stages& stages = *state.stages;
   sample(frame, stages.grid);
-  stages.planes.update(stages.grid);
+  stages.planes.update(stages.grid, stages.tracker.owners());
   state.result.floor.reset();
   state.result.up = -Eigen::Vector3f::UnitY();
   if (stages.planes.floor()) {
@@ -108,12 +108,12 @@ void Segmenter::State::find_candidates() noexcept {
       const float ray_x = grid.ray_x[static_cast<std::size_t>(x)];
       const float ray_y = grid.ray_y[static_cast<std::size_t>(y)];
       if (floor && w - floor->inverse_depth(ray_x, ray_y) < floor_margin(*floor, w)) continue;
+      const auto cell = stages->background.classify(static_cast<int>(i), w);
+      if (cell == BackgroundModel::Cell::Background) continue;
       const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
         return std::abs(wall.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
       });
-      if (on_wall) continue;
-      const auto cell = stages->background.classify(static_cast<int>(i), w);
-      if (cell == BackgroundModel::Cell::Background) continue;
+      if (on_wall && cell == BackgroundModel::Cell::Unknown && !stages->tracker.still_user(i, z)) continue;
       stages->kind[i] = cell == BackgroundModel::Cell::Foreground ? 2 : 1;
     }
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracker/segmentation/flatness.h"
+
 namespace armature {
 namespace {
 
@@ -13,12 +15,21 @@ constexpr float kMinBodyHeight = 0.45F;
 constexpr float kMaxBodyHeight = 2.4F;
 constexpr float kMaxBodyWidth = 2.1F;
 constexpr float kMaxBodyDepth = 1.5F;
-constexpr float kMinHeadHeight = 0.95F;  ///< above the floor: a chair's back is lower, a seated person higher
+constexpr float kMinHeadHeight = 1.05F;  ///< above the floor: a chair's back is lower, a seated person higher
 constexpr float kMaxHeadHeight = 2.4F;
 constexpr float kMaxFeetHeight = 0.75F;  ///< above the floor, unless cut by the image: what hangs on a wall is higher
 
+// What was there from the first frame may be furniture: what goes on above the image is taller than this, what goes on
+// beside it is wider.
+constexpr float kMaxCutHeadHeight = 1.75F;
+constexpr float kMinCutWidth = 0.35F;
+// Up to this distance bodies are rounder than furniture; farther away a disparity step is as deep as they are.
+constexpr float kFlatnessRange = 3.8F;
+constexpr float kMaxFlatness = 0.88F;
+
 // Two who touch.
 constexpr float kMinOfPairArea = 0.35F;  ///< of each
+constexpr float kMaxPairWidth = 2.4F;
 constexpr float kMinValley = 0.12F;      ///< from the lower head to the shoulders between them
 
 constexpr int kMaxId = 250;
@@ -31,13 +42,46 @@ constexpr float kReach = 1.2F;            ///< from a body's centre to its hands
 constexpr float kLimbStep = 0.5F;         ///< depth from a hand to the body behind it
 constexpr float kZoneMargin = 0.2F;
 
-constexpr float kMovedDistance = 0.02F;  ///< of the centre: nobody stands stiller, furniture does
-constexpr int kFurnitureFrames = 150;
+// Furniture never moves; a person's centre or outline does sooner or later.
+constexpr float kMovedDistance = 0.02F;
+constexpr float kMovedShare = 0.05F;  ///< of the cells, since birth
+constexpr int kFurnitureFrames = 600;
 
 std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
 
 float level_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) noexcept {
   return std::hypot(a.x() - b.x(), a.z() - b.z());
+}
+
+/// Whether head and feet are where a person's may be. Heights above the floor.
+bool upright(const Component& c, const std::optional<FloorPlane>& floor) noexcept {
+  if (!floor) return true;
+  const float head = c.highest + floor->offset;
+  const float feet = c.lowest + floor->offset;
+  if (head > kMaxHeadHeight || (head < kMinHeadHeight && !c.cut_above)) return false;
+  return c.cut_below || feet < kMaxFeetHeight;
+}
+
+bool human_sized(const Component& c, const std::optional<FloorPlane>& floor) noexcept {
+  return c.area >= kMinBodyArea && c.area <= kMaxBodyArea && c.height() >= kMinBodyHeight &&
+         c.height() <= kMaxBodyHeight && c.width() <= kMaxBodyWidth && c.far - c.near <= kMaxBodyDepth &&
+         upright(c, floor);
+}
+
+/// Whether it may be two people who touch.
+bool pair_sized(const Component& c) noexcept {
+  return c.area >= 2 * kMinOfPairArea && c.area <= 2 * kMaxBodyArea && c.height() >= kMinBodyHeight &&
+         c.height() <= kMaxBodyHeight && c.width() <= kMaxPairWidth && c.far - c.near <= kMaxBodyDepth;
+}
+
+/// Of something of human size that has been there from the first frame.
+bool looks_like_furniture(const DepthGrid& grid, const ComponentFinder& components, std::size_t c,
+                          const std::optional<FloorPlane>& floor) noexcept {
+  const Component& thing = components.components()[c];
+  if (floor && thing.cut_above && thing.highest + floor->offset > kMaxCutHeadHeight) return true;
+  if (thing.cut_aside && thing.width() < kMinCutWidth) return true;
+  return thing.centre.z() < kFlatnessRange &&
+         flatness(grid, components.labels(), static_cast<std::uint8_t>(c + 1)) > kMaxFlatness;
 }
 
 /// The largest piece beside a body that is taken for a part of it, square metres. Where the background is not known, a
@@ -60,7 +104,9 @@ UserTracker::UserTracker(const SegmentationOptions& options, int cells)
       owners_(at(cells)),
       dismissed_(at(cells)),
       previous_owners_(at(cells)),
-      previous_depth_(at(cells)) {
+      previous_depth_(at(cells)),
+      owners_at_birth_(at(cells)),
+      depth_at_birth_(at(cells)) {
   queue_.reserve(at(cells));
 }
 
@@ -76,24 +122,18 @@ void UserTracker::update(const DepthGrid& grid, const ComponentFinder& component
   attach(components);
   share(grid, labels);
   move(grid);
+  remember_birth(grid);
   dismiss_furniture();
   std::ranges::copy(owners_, previous_owners_.begin());
   std::ranges::copy(grid.depth, previous_depth_.begin());
 }
 
-bool UserTracker::in_zone(const Component& c, float margin) const noexcept {
-  return std::abs(c.centre.x()) <= options_.half_width_m + margin;
+bool UserTracker::still_user(std::size_t cell, float depth) const noexcept {
+  return owners_[cell] != kNobody && std::abs(depth - previous_depth_[cell]) <= kSameSurface;
 }
 
-bool UserTracker::human_sized(const Component& c, const std::optional<FloorPlane>& floor) const noexcept {
-  if (c.area < kMinBodyArea || c.area > kMaxBodyArea) return false;
-  if (c.height() < kMinBodyHeight || c.height() > kMaxBodyHeight) return false;
-  if (c.width() > kMaxBodyWidth || c.far - c.near > kMaxBodyDepth) return false;
-  if (!floor) return true;
-  const float head = c.highest + floor->offset;
-  const float feet = c.lowest + floor->offset;
-  if (!c.cut_above && (head < kMinHeadHeight || head > kMaxHeadHeight)) return false;
-  return c.cut_below || feet < kMaxFeetHeight;
+bool UserTracker::in_zone(const Component& c, float margin) const noexcept {
+  return std::abs(c.centre.x()) <= options_.half_width_m + margin;
 }
 
 void UserTracker::count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept {
@@ -161,7 +201,11 @@ void UserTracker::admit(const DepthGrid& grid, const ComponentFinder& components
   const auto found = components.components();
   for (std::size_t c = 0; c < found.size(); ++c) {
     if (owner_of_[c] != kNobody || !in_zone(found[c], 0)) continue;
-    if (admit_pair(grid, components, c)) continue;
+    const bool pair = pair_sized(found[c]);
+    if (!upright(found[c], floor) || !(pair || human_sized(found[c], floor))) continue;
+    const bool was_there = found[c].foreground_cells * 2 < found[c].cells;
+    if (was_there && looks_like_furniture(grid, components, c, floor)) continue;
+    if (pair && admit_pair(grid, components, c)) continue;
     if (!human_sized(found[c], floor)) continue;
     for (std::size_t other = 0; other < found.size() && owner_of_[c] == kNobody; ++other) {
       if (owner_of_[other] == kNobody || owner_of_[other] == kShared) continue;
@@ -182,7 +226,6 @@ void UserTracker::welcome(std::size_t place, const Eigen::Vector3f& centre) noex
     while (std::ranges::find(tracks_, last_id_, &Track::id) != tracks_.end());
     track = {};
     track.id = last_id_;
-    track.birthplace = centre;
   }
   track.centre = centre;
   track.velocity.setZero();
@@ -192,12 +235,8 @@ void UserTracker::welcome(std::size_t place, const Eigen::Vector3f& centre) noex
 bool UserTracker::admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept {
   // Two who stand shoulder to shoulder are one component with two heads. Its outline over x has a valley.
   const Component& pair = components.components()[c];
-  if (pair.area < 2 * kMinOfPairArea || pair.area > 2 * kMaxBodyArea) return false;
-  if (pair.height() < kMinBodyHeight || pair.height() > kMaxBodyHeight || pair.far - pair.near > kMaxBodyDepth)
-    return false;
   constexpr float kColumn = 0.04F;
-  constexpr std::size_t kColumns = 64;
-  if (pair.width() > kColumn * (kColumns - 1)) return false;
+  constexpr auto kColumns = static_cast<std::size_t>(kMaxPairWidth / kColumn) + 2;
   struct Column {
     float top = 1e9F;  // y of the highest point: nobody leans so far that the camera's axis will not do
     float area = 0;
@@ -323,6 +362,7 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
   std::array<Eigen::Vector3f, kMaxUsers> sum;
   std::array<int, kMaxUsers> cells{};
   std::array<float, kMaxUsers> area{};
+  std::array<int, kMaxUsers> changed{};
   sum.fill(Eigen::Vector3f::Zero());
   for (int y = 0, i = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x, ++i) {
@@ -332,6 +372,8 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
       sum[t] += Eigen::Vector3f(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
       area[t] += grid.area(z);
       ++cells[t];
+      changed[t] += owners_at_birth_[at(i)] != owners_[at(i)] ||
+                    std::abs(depth_at_birth_[at(i)] - z) > continuity_tolerance(z);
     }
   }
   std::array<bool, kMaxUsers> gone{};
@@ -345,15 +387,25 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
     }
     const Eigen::Vector3f centre = sum[t] / static_cast<float>(cells[t]);
     if (track.age > 0 && track.missed == 0) track.velocity += 0.3F * (centre - track.centre - track.velocity);
+    if (track.age == 0) track.birthplace = centre;
     track.centre = centre;
-    track.area = area[t];
     track.missed = 0;
     ++track.age;
-    track.has_moved |= (centre - track.birthplace).norm() > kMovedDistance;
+    track.has_moved |= track.age > 1 && ((centre - track.birthplace).norm() > kMovedDistance ||
+                                         static_cast<float>(changed[t]) > kMovedShare * static_cast<float>(cells[t]));
   }
   if (std::ranges::find(gone, true) == gone.end()) return;
   for (std::uint8_t& owner : owners_)
     if (owner != kNobody && gone[owner - std::size_t{1}]) owner = kNobody;
+}
+
+void UserTracker::remember_birth(const DepthGrid& grid) noexcept {
+  for (std::size_t i = 0; i < owners_.size(); ++i) {
+    const std::uint8_t owner = owners_[i];
+    if (owner == kNobody || tracks_[owner - std::size_t{1}].age != 1) continue;
+    owners_at_birth_[i] = owner;
+    depth_at_birth_[i] = grid.depth[i];
+  }
 }
 
 void UserTracker::dismiss_furniture() noexcept {

@@ -19,7 +19,6 @@ struct Track {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();
   Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  ///< metres a frame
   Eigen::Vector3f birthplace = Eigen::Vector3f::Zero();
-  float area = 0;
   int age = 0;     ///< frames since birth
   int missed = 0;  ///< frames since last seen
   bool has_moved = false;
@@ -41,6 +40,8 @@ class UserTracker {
   [[nodiscard]] std::span<const Track> tracks() const noexcept { return tracks_; }
   /// [height][width], 0 = nobody, else 1 + index into tracks().
   [[nodiscard]] std::span<const std::uint8_t> owners() const noexcept { return owners_; }
+  /// Whether a cell of the next frame still shows the surface of a user of the last one.
+  [[nodiscard]] bool still_user(std::size_t cell, float depth) const noexcept;
   /// Whether a cell belongs to what was dismissed as furniture in this frame, [height][width].
   [[nodiscard]] bool dismissed(std::size_t cell) const noexcept { return dismissed_[cell] != 0; }
 
@@ -49,7 +50,6 @@ class UserTracker {
   static constexpr std::uint8_t kNobody = 0;
   static constexpr std::uint8_t kShared = 255;  ///< a component in which several users have met
 
-  [[nodiscard]] bool human_sized(const Component& c, const std::optional<FloorPlane>& floor) const noexcept;
   [[nodiscard]] bool in_zone(const Component& c, float margin) const noexcept;
   void count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void keep(std::span<const Component> found) noexcept;
@@ -57,6 +57,7 @@ class UserTracker {
              const std::optional<FloorPlane>& floor) noexcept;
   void welcome(std::size_t place, const Eigen::Vector3f& centre) noexcept;
   [[nodiscard]] bool admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept;
+  void remember_birth(const DepthGrid& grid) noexcept;
   void attach(const ComponentFinder& components) noexcept;
   void share(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void move(const DepthGrid& grid) noexcept;
@@ -70,6 +71,8 @@ class UserTracker {
   std::vector<std::uint8_t> dismissed_;
   std::vector<std::uint8_t> previous_owners_;
   std::vector<float> previous_depth_;
+  std::vector<std::uint8_t> owners_at_birth_;  ///< what each user looked like when she was first seen
+  std::vector<float> depth_at_birth_;
   std::vector<int> queue_;
   std::array<std::uint8_t, kMaxComponents> owner_of_{};  ///< per component: kNobody, 1 + track, or kShared
   std::array<std::array<int, kMaxUsers>, kMaxComponents> overlap_{};  ///< cells that were a user's a frame ago

@@ -185,7 +185,7 @@ TEST(Segmenter, TheSameFramesGiveTheSameMasks) {
 TEST(Segmenter, DescribesUsersAsTheMaskShowsThem) {
   Room room = furnished_room();
   room.add_person(-0.3F, 2.2F, 1);
-  room.add_person(0.8F, 3.2F, 2);
+  room.add_person(0.8F, 2.8F, 2);
   const auto picture = room.draw(0, 0.5F, 640, 480);
   Segmenter segmenter({});
   const Segmentation& result = segmenter.process(picture.frame.view());
