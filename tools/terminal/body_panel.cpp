@@ -54,17 +54,43 @@ constexpr int kBoneLayer = 2;
 constexpr double kAbove = 0.95;
 constexpr double kBelow = 1.25;
 
-/// A parallel view: along z from the front, or along x from the person's right, facing left.
+float dot(const Vec3& a, const Vec3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Level axes for a camera that looks up or down: orthonormal, in the camera frame.
+struct Axes {
+  Vec3 up{0, -1, 0};
+  Vec3 right{1, 0, 0};
+  Vec3 away{0, 0, 1};
+};
+
+Axes level_axes(const Vec3& up) {
+  // The camera's x, made level.
+  const Vec3 right{1 - up.x * up.x, -up.x * up.y, -up.x * up.z};
+  const float length = std::sqrt(dot(right, right));
+  if (!(length > 0.1F)) return {};
+  const Vec3 unit{right.x / length, right.y / length, right.z / length};
+  return {up, unit, cross(up, unit)};
+}
+
+/// A parallel, level view: from the front, or from the person's right, facing left.
 struct View {
+  Axes axes;
   Vec3 anchor;
   Dot centre;  ///< where the anchor is drawn
   double dots_per_metre = 1;
   bool from_side = false;
 
   [[nodiscard]] Dot operator()(const Vec3& p) const {
-    const double across = from_side ? p.z - anchor.z : p.x - anchor.x;
-    return {centre.x + across * dots_per_metre, centre.y + (p.y - anchor.y) * dots_per_metre};
+    const Vec3 v{p.x - anchor.x, p.y - anchor.y, p.z - anchor.z};
+    return {centre.x + dot(v, from_side ? axes.away : axes.right) * dots_per_metre, row(dot(p, axes.up))};
   }
+  /// Row of what lies so high along `up`, counted from the camera.
+  [[nodiscard]] double row(float height) const { return centre.y - (height - dot(anchor, axes.up)) * dots_per_metre; }
 };
 
 Rgb side_colour(JointId joint) {
@@ -149,8 +175,8 @@ void draw_surface(const navproto::FeedMessage& feed, std::uint32_t user, const V
 }
 
 void draw_floor(const LiveState& state, const View& view, Dot from, Dot to, BrailleCanvas& canvas) {
-  if (!state.floor_y) return;
-  const double y = view({0, *state.floor_y, 0}).y + 2;
+  if (!state.floor_height) return;
+  const double y = view.row(*state.floor_height) + 2;
   canvas.line({from.x, y}, {to.x, y}, palette::kFrame, kBackgroundLayer, 1, 3);
 }
 
@@ -168,8 +194,9 @@ void draw_body(const LiveState& state, Screen& screen, const Area& area) {
   const bool both = canvas.width() >= 1.55 * scale;
   const double front_share = both ? 0.62 : 1.0;
   const double anchor_row = canvas.height() * kAbove / (kAbove + kBelow);
-  const View front{state.anchor, {canvas.width() * front_share / 2, anchor_row}, scale, false};
-  const View side{state.anchor, {canvas.width() * (1 + front_share) / 2, anchor_row}, scale, true};
+  const Axes axes = level_axes(state.skeleton->user_up);
+  const View front{axes, state.anchor, {canvas.width() * front_share / 2, anchor_row}, scale, false};
+  const View side{axes, state.anchor, {canvas.width() * (1 + front_share) / 2, anchor_row}, scale, true};
 
   const bool surface = state.feed && state.navigation && state.fresh;
   if (surface) draw_surface(*state.feed, state.navigation->user_id, front, canvas);

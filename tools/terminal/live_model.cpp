@@ -51,8 +51,11 @@ void LiveModel::take(const navproto::SkeletonMessage& message) {
   for (const auto foot : {navproto::JointId::LeftFoot, navproto::JointId::RightFoot}) {
     const auto& joint = message.joints[static_cast<std::size_t>(foot)];
     if (joint.state == navproto::JointState::Lost) continue;
-    const float y = joint.position.y;
-    state_.floor_y = state_.floor_y ? followed(*state_.floor_y, std::max(y, *state_.floor_y - 0.1F)) : y;
+    const auto& up = message.user_up;
+    const float height = joint.position.x * up.x + joint.position.y * up.y + joint.position.z * up.z;
+    // A lifted foot does not lift the floor.
+    state_.floor_height =
+        state_.floor_height ? followed(*state_.floor_height, std::min(height, *state_.floor_height + 0.1F)) : height;
   }
 }
 

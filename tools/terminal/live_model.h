@@ -31,7 +31,7 @@ struct LiveState {
   double frames_per_second = 0;              ///< of navigation messages, over the last second
   std::chrono::duration<double> latency{0};  ///< frame received by the daemon to message received here, smoothed
   navproto::Vec3 anchor{0, 0, 2.5F};         ///< what the body is drawn about: follows the user slowly
-  std::optional<float> floor_y;              ///< height of the feet, camera frame
+  std::optional<float> floor_height;         ///< of the feet along the user's up, counted from the camera, metres
   std::string event;                         ///< the last one's text, or why a message could not be read
 };
 

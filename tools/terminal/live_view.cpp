@@ -26,8 +26,15 @@ std::string words(std::string_view name) {
   return text;
 }
 
+/// Whether the velocities are zero for a reason that the state of engagement does not already tell.
+bool stopped(const navproto::NavigationMessage& navigation) {
+  return navigation.stop_reason != StopReason::None && navigation.stop_reason != StopReason::NoUser &&
+         navigation.stop_reason != StopReason::NotEngaged;
+}
+
 Rgb status_colour(const LiveState& state) {
   if (!state.fresh || !state.navigation) return palette::kDim;
+  if (stopped(*state.navigation)) return palette::kWarning;
   switch (state.navigation->engagement) {
     case Engagement::Engaged:
       return palette::kWalk;
@@ -80,14 +87,7 @@ void draw_footer(const LiveState& state, Screen& screen) {
 std::string status_text(const LiveState& state) {
   if (!state.navigation) return "waiting for " + state.endpoint;
   const auto& navigation = *state.navigation;
-  switch (navigation.stop_reason) {
-    case StopReason::None:
-    case StopReason::NoUser:
-    case StopReason::NotEngaged:
-      break;
-    default:
-      return "stopped: " + words(navproto::name(navigation.stop_reason));
-  }
+  if (stopped(navigation)) return "stopped: " + words(navproto::name(navigation.stop_reason));
   if (!state.fresh) return "silent: nothing has come for a while";
   switch (navigation.engagement) {
     case Engagement::NoUser:
