@@ -30,6 +30,7 @@ TEXT_SUFFIXES = SOURCE_SUFFIXES | {".md", ".txt", ".cmake", ".json", ".toml", ".
 MOST_LINES_OF_A_SOURCE = 600
 MOST_LINES_OF_A_README = 40
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+DOCUMENT_LINK = re.compile(r"\]\(([^)\s]+)\)")
 UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
 MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:wo" r"rk|ro" r"ot|ho" r"me)/\w")
 
@@ -176,6 +177,14 @@ def check_links(root, links):
                 yield f"{folder}/CMakeLists.txt: {message}: {name} may not link {used}"
 
 
+def check_links_of(root, path, text):
+    """Links of a document to files that are not there."""
+    for target in DOCUMENT_LINK.findall(text):
+        if "://" not in target and not target.startswith("#"):
+            if not (root / path.parent / target.split("#")[0]).exists():
+                yield f"{path}: links to {target}, which is not there"
+
+
 def check_house(root, files):
     for path in files:
         text = text_of(root / path)
@@ -186,6 +195,8 @@ def check_house(root, files):
             yield f"{path}: {len(lines)} lines; split it ({MOST_LINES_OF_A_SOURCE} at most)"
         if path.name == "README.md" and len(path.parts) == 2 and len(lines) > MOST_LINES_OF_A_README:
             yield f"{path}: {len(lines)} lines ({MOST_LINES_OF_A_README} at most)"
+        if path.suffix == ".md":
+            yield from check_links_of(root, path, text)
         if path.name == "LICENSE":
             continue
         for number, line in enumerate(lines, 1):
@@ -193,6 +204,9 @@ def check_house(root, files):
                 yield f"{path}:{number}: unfinished: {line.strip()}"
             if MACHINE_PATH.search(line):
                 yield f"{path}:{number}: a path of one machine: {line.strip()}"
+    for folder in FOLDERS:
+        if (root / folder).is_dir() and not (root / folder / "README.md").is_file():
+            yield f"{folder}: has no README.md"
 
 
 def violations(root, links=None):

@@ -117,6 +117,13 @@ class HouseRules(unittest.TestCase):
         self.assert_found("split it", planted={"tools/x.cpp": "\n" * 601})
         self.assert_found("40 at most", planted={"tools/README.md": "\n" * 41})
 
+    def test_every_folder_explains_itself(self):
+        self.assert_found("tools: has no README.md", without="tools/README.md")
+
+    def test_documents_link_to_what_is_there(self):
+        self.assert_found("links to docs/none.svg, which is not there",
+                          planted={"ARCHITECTURE.md": "[a](tools/README.md#x) [b](https://c.d) ![e](docs/none.svg)\n"})
+
 
 if __name__ == "__main__":
     unittest.main()
