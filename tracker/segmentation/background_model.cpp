@@ -6,10 +6,10 @@
 namespace armature {
 namespace {
 
-constexpr int kKnown = 15;        ///< frames that make a surface background where nothing was known
-constexpr int kKnownEmpty = 90;   ///< the same for the absence of any return: shadows are empty too
-constexpr int kFarther = 3;       ///< frames until something farther is believed
-constexpr int kNearer = 300;      ///< frames until something nearer is believed
+constexpr int kKnown = 15;       ///< frames that make a surface background where nothing was known
+constexpr int kKnownEmpty = 90;  ///< the same for the absence of any return: shadows are empty too
+constexpr int kFarther = 3;      ///< frames until something farther is believed
+constexpr int kNearer = 300;     ///< frames until something nearer is believed
 constexpr int kNearerThanNothing = 60;
 constexpr float kLearningRate = 0.05F;
 
@@ -76,8 +76,8 @@ void BackgroundModel::learn(const DepthGrid& grid, std::span<const Cover> cover)
     const int needed = difference < 0 ? kFarther : e.inverse_depth > 0 ? kNearer : kNearerThanNothing;
     if (e.candidate_seen >= needed) e = {e.candidate, 0, kKnown, 0};
   }
-  const bool moved = known > entries_.size() / 10 &&
-                     static_cast<float>(farther) > kMovedShare * static_cast<float>(known);
+  const bool moved =
+      known > entries_.size() / 10 && static_cast<float>(farther) > kMovedShare * static_cast<float>(known);
   moved_frames_ = moved ? moved_frames_ + 1 : 0;
   if (moved_frames_ >= kMovedFrames) {
     std::ranges::fill(entries_, Entry{});

@@ -32,9 +32,9 @@ class BackgroundModel {
 
  private:
   struct Entry {
-    float inverse_depth = 0;   ///< 0 = nothing within the sensor's range
-    float candidate = 0;       ///< another surface that might be taking its place
-    std::uint16_t seen = 0;    ///< frames that confirmed it, saturating at kKnown
+    float inverse_depth = 0;  ///< 0 = nothing within the sensor's range
+    float candidate = 0;      ///< another surface that might be taking its place
+    std::uint16_t seen = 0;   ///< frames that confirmed it, saturating at kKnown
     std::uint16_t candidate_seen = 0;
   };
   std::vector<Entry> entries_;

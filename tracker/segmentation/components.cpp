@@ -7,20 +7,18 @@ namespace armature {
 namespace {
 
 constexpr int kMinCells = 6;
-constexpr int kHoleCells = 3;     ///< drop-outs up to this wide do not cut a surface
+constexpr int kHoleCells = 3;       ///< drop-outs up to this wide do not cut a surface
 constexpr float kEdgeSteps = 1.6F;  ///< continuity tolerances over two cells that make the middle one an edge
-constexpr int kContactCells = 5;  ///< the projector's shadow beside something near is about this wide
+constexpr int kContactCells = 5;    ///< the projector's shadow beside something near is about this wide
 
-std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
+std::size_t at(int i) noexcept {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
 ComponentFinder::ComponentFinder(int cells)
-    : edges_(at(cells)),
-      parent_(at(cells)),
-      cells_of_root_(at(cells)),
-      label_of_root_(at(cells)),
-      labels_(at(cells)) {
+    : edges_(at(cells)), parent_(at(cells)), cells_of_root_(at(cells)), label_of_root_(at(cells)), labels_(at(cells)) {
   sizes_.reserve(at(cells));
 }
 
@@ -36,8 +34,10 @@ void ComponentFinder::join(int a, int b) noexcept {
   a = root(a);
   b = root(b);
   // The smaller index wins, so that the result does not depend on the order of joins.
-  if (a < b) parent_[at(b)] = a;
-  else parent_[at(a)] = b;
+  if (a < b)
+    parent_[at(b)] = a;
+  else
+    parent_[at(a)] = b;
 }
 
 void ComponentFinder::find(const DepthGrid& grid, std::span<const std::uint8_t> kind,

@@ -17,10 +17,10 @@ struct Component {
   int foreground_cells = 0;  ///< of these, cells that the background model says were not there before
   float area = 0;            ///< square metres, seen face on
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of its cells
-  float left = 0, right = 0;    ///< extent along the camera's x
-  float near = 0, far = 0;      ///< extent along z
-  float lowest = 0, highest = 0;  ///< extent along `up`, relative to the camera
-  bool cut_above = false;  ///< touches the image's upper edge
+  float left = 0, right = 0;                         ///< extent along the camera's x
+  float near = 0, far = 0;                           ///< extent along z
+  float lowest = 0, highest = 0;                     ///< extent along `up`, relative to the camera
+  bool cut_above = false;                            ///< touches the image's upper edge
   bool cut_below = false;
   bool cut_aside = false;
 

@@ -16,7 +16,7 @@ struct DepthGrid {
   int stride = 1;
   int width = 0;
   int height = 0;
-  float cell_width_rad = 0;   ///< metres across a cell at a depth of one metre
+  float cell_width_rad = 0;  ///< metres across a cell at a depth of one metre
   float cell_height_rad = 0;
   std::vector<float> ray_x;          ///< [width], x/z of a cell's centre
   std::vector<float> ray_y;          ///< [height], y/z of a cell's centre
@@ -43,7 +43,9 @@ void sample(DepthView frame, DepthGrid& grid) noexcept;
 
 /// By how much the depth of neighbouring cells of one surface may differ, metres. Structured light measures disparity:
 /// its noise grows with the square of the distance.
-[[nodiscard]] constexpr float continuity_tolerance(float z) noexcept { return 0.03F + 0.006F * z * z; }
+[[nodiscard]] constexpr float continuity_tolerance(float z) noexcept {
+  return 0.03F + 0.006F * z * z;
+}
 
 /// A step of a Kinect's disparity, in 1/m (Khoshelham and Elberink 2012: 1/8 pixel, f = 580 px, baseline 7.5 cm).
 inline constexpr float kDisparityStep = 1.0F / 348.0F;

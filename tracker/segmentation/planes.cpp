@@ -16,6 +16,8 @@ constexpr float kTolerance = 2.5F * kDisparityStep;
 constexpr int kFloorTrials = 160;
 constexpr int kFloorTrialsWanted = 60;  ///< hypotheses that look like a floor, after which it is enough
 constexpr int kSearchPeriod = 16;       ///< frames between searches once a floor is known
+constexpr int kFollowPeriod = 4;        ///< frames between measurements of a settled floor
+constexpr int kSettledFrames = 20;      ///< measurements over which a floor is averaged
 constexpr int kEagerFrames = 10;        ///< first frames, in which every one is searched
 
 // Where a sensor may stand above a floor, and how it may be tilted and rolled.
@@ -24,17 +26,17 @@ constexpr float kMaxHeight = 2.6F;
 constexpr float kMaxTiltSine = 0.52F;
 constexpr float kMaxRollSine = 0.20F;
 // What must be seen of it.
-constexpr float kMinFloorArea = 0.75F;    ///< square metres of ground, in squares of kGroundSquare
-constexpr float kGroundSquare = 0.25F;    ///< metres
-constexpr float kMinFloorExtent = 0.5F;   ///< metres, the shorter of along and across
-constexpr float kMinFloorSlope = 0.2F;    ///< 1/m: how inverse depth changes with ray_y; 1 / (camera height) when level
+constexpr float kMinFloorArea = 0.75F;   ///< square metres of ground, in squares of kGroundSquare
+constexpr float kGroundSquare = 0.25F;   ///< metres
+constexpr float kMinFloorExtent = 0.5F;  ///< metres, the shorter of along and across
+constexpr float kMinFloorSlope = 0.2F;   ///< 1/m: how inverse depth changes with ray_y; 1 / (camera height) when level
 constexpr float kMaxFloorSlope = 3.0F;
-constexpr float kMaxShareBelow = 0.03F;   ///< of all samples: a table top has a room below it
-constexpr float kBelow = 0.12F;           ///< metres under the plane that count as below
-constexpr int kForgetFloorFrames = 300;
+constexpr float kMaxShareBelow = 0.03F;  ///< of all samples: a table top has a room below it
+constexpr float kBelow = 0.12F;          ///< metres under the plane that count as below
+constexpr int kForgetFloorMeasurements = 75;
 
 constexpr int kWallTrials = 48;
-constexpr float kMinWallArea = 1.5F;  ///< square metres seen: more than anybody's front
+constexpr float kMinWallArea = 1.5F;    ///< square metres seen: more than anybody's front
 constexpr float kMaxWallSlope = 0.35F;  ///< sine of a wall's lean
 
 float height_above(const FloorPlane& plane, float ray_x, float ray_y, float z) noexcept {
@@ -79,7 +81,7 @@ void PlaneFinder::update(const DepthGrid& grid, std::span<const std::uint8_t> us
   random_state_ = 0x9E3779B9U;
   collect(grid, users);
   const bool search = frame_ < kEagerFrames || frame_ % kSearchPeriod == 0;
-  if (floor_) follow_floor();
+  if (floor_ && (floor_age_ < kSettledFrames || frame_ % kFollowPeriod == 0)) follow_floor();
   if (!floor_ || search) find_floor();
   if (search) find_walls();
   if (frame_ < 1 << 30) ++frame_;
@@ -226,11 +228,11 @@ void PlaneFinder::find_floor() noexcept {
 void PlaneFinder::follow_floor() noexcept {
   const auto seen = refined(*floor_, floor_like_, kTolerance);
   if (!seen || !is_floor(*seen)) {
-    if (++floor_unseen_ > kForgetFloorFrames) floor_.reset();
+    if (++floor_unseen_ > kForgetFloorMeasurements) floor_.reset();
     return;
   }
   floor_unseen_ = 0;
-  floor_age_ = std::min(floor_age_ + 1, 20);
+  floor_age_ = std::min(floor_age_ + 1, kSettledFrames);
   const float t = 1.0F / static_cast<float>(floor_age_);
   floor_->a += t * (seen->a - floor_->a);
   floor_->b += t * (seen->b - floor_->b);

@@ -66,8 +66,8 @@ class PlaneFinder {
   std::size_t wall_count_ = 0;
   std::uint32_t random_state_ = 1;
   int frame_ = 0;
-  int floor_age_ = 0;     ///< frames over which the floor has been averaged
-  int floor_unseen_ = 0;  ///< frames since it was last supported
+  int floor_age_ = 0;     ///< measurements over which the floor has been averaged
+  int floor_unseen_ = 0;  ///< measurements since one last supported it
 };
 
 }  // namespace armature

@@ -47,6 +47,9 @@ struct Segmenter::State {
   std::optional<Stages> stages;
   Segmentation result;
 
+  [[nodiscard]] std::optional<FloorShadow> floor_shadow() const noexcept {
+    return stages->planes.floor() ? std::optional<FloorShadow>(*stages->planes.floor()) : std::nullopt;
+  }
   void find_candidates() noexcept;
   void publish(DepthView frame) noexcept;
 };
@@ -97,7 +100,7 @@ const Segmentation& Segmenter::process(DepthView frame) noexcept {
 
 void Segmenter::State::find_candidates() noexcept {
   const DepthGrid& grid = stages->grid;
-  const auto& floor = stages->planes.floor();
+  const std::optional<FloorShadow> shadow = floor_shadow();
   std::size_t i = 0;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x, ++i) {
@@ -107,7 +110,7 @@ void Segmenter::State::find_candidates() noexcept {
       const float w = grid.inverse_depth[i];
       const float ray_x = grid.ray_x[static_cast<std::size_t>(x)];
       const float ray_y = grid.ray_y[static_cast<std::size_t>(y)];
-      if (floor && w - floor->inverse_depth(ray_x, ray_y) < floor_margin(*floor, w)) continue;
+      if (shadow && shadow->covers(ray_x, ray_y, w)) continue;
       const auto cell = stages->background.classify(static_cast<int>(i), w);
       if (cell == BackgroundModel::Cell::Background) continue;
       const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
@@ -128,8 +131,8 @@ void Segmenter::State::publish(DepthView frame) noexcept {
     stages->users[t].id = tracks[t].id;
     stages->users[t].centre = tracks[t].centre;
   }
-  const auto& floor = stages->planes.floor();
-  draw_user_mask(frame, {stages->grid, stages->tracker.owners(), ids, floor ? &*floor : nullptr}, stages->mask,
+  const std::optional<FloorShadow> shadow = floor_shadow();
+  draw_user_mask(frame, {stages->grid, stages->tracker.owners(), ids, shadow ? &*shadow : nullptr}, stages->mask,
                  stages->users);
   std::ranges::sort(stages->users, [](const User& a, const User& b) {
     return a.pixel_count != b.pixel_count ? a.pixel_count > b.pixel_count : a.id < b.id;

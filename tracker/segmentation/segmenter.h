@@ -33,7 +33,7 @@ struct Segmentation {
 };
 
 struct SegmentationOptions {
-  float near_m = 0.5F;        ///< the active zone: what is nearer or farther is ignored
+  float near_m = 0.5F;  ///< the active zone: what is nearer or farther is ignored
   float far_m = 4.5F;
   float half_width_m = 2.0F;  ///< half the active zone's width about the optical axis
 };

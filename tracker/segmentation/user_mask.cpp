@@ -8,15 +8,14 @@
 namespace armature {
 namespace {
 
-constexpr float kFloorThickness = 0.025F;  ///< metres of what stands on the floor that are given up with it
-
-std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
+std::size_t at(int i) noexcept {
+  return static_cast<std::size_t>(i);
+}
 
 /// A cell and the eight around it, whose surfaces its pixels may continue; row by row, the cell itself in the middle.
 struct Neighbourhood {
   std::array<std::uint8_t, 9> owner{};
   std::array<float, 9> depth_mm{};
-  bool anybody = false;
   bool one_surface = false;  ///< all nine belong to one user
 };
 
@@ -33,11 +32,10 @@ Neighbourhood neighbourhood(const MaskInput& input, int x, int y) noexcept {
       const auto cell = at((y + dy) * grid.width + x + dx);
       around.owner[at(k)] = input.owners[cell];
       around.depth_mm[at(k)] = 1e3F * grid.depth[cell];
-      around.anybody |= input.owners[cell] != 0;
       same &= around.owner[at(k)] == around.owner[0];
     }
   }
-  around.one_surface = same && around.anybody;
+  around.one_surface = same && around.owner[0] != 0;
   return around;
 }
 
@@ -80,12 +78,6 @@ Block occupied(const MaskInput& input) noexcept {
 
 }  // namespace
 
-float floor_margin(const ImagePlane& floor, float w) noexcept {
-  // At a height h above the floor a surface is nearer than the floor behind it: dw = w h / (camera height).
-  const float per_metre = std::sqrt(floor.a * floor.a + floor.b * floor.b + floor.c * floor.c);
-  return std::max(1.8F * kDisparityStep, kFloorThickness * w * per_metre);
-}
-
 void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint8_t> mask,
                     std::span<User> users) noexcept {
   const DepthGrid& grid = input.grid;
@@ -93,18 +85,29 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
   const int half = s / 2;
   const Intrinsics& k = frame.intrinsics;
   std::memset(mask.data(), 0, mask.size());
+  const auto centre_x = static_cast<float>(k.centre_x_px);
+  const auto centre_y = static_cast<float>(k.centre_y_px);
+  const auto per_pixel_x = static_cast<float>(1 / k.focal_x_px);
+  const auto per_pixel_y = static_cast<float>(1 / k.focal_y_px);
   const Block box = occupied(input);
+  // Whether there is anybody in a column's three cells about row y; one column more on each side.
+  std::array<std::uint8_t, kMaxImageSide + 2> column{};
   for (int y = box.top; y < box.bottom; ++y) {
     for (int x = box.left; x < box.right; ++x) {
+      std::uint8_t any = 0;
+      for (int row = std::max(y - 1, 0); row <= std::min(y + 1, grid.height - 1); ++row)
+        any |= input.owners[at(row * grid.width + x)];
+      column[at(x + 1)] = any;
+    }
+    for (int x = box.left; x < box.right; ++x) {
+      if ((column[at(x)] | column[at(x + 1)] | column[at(x + 2)]) == 0) continue;
       const Neighbourhood around = neighbourhood(input, x, y);
-      if (!around.anybody) continue;
       const Block block{x * s, y * s, std::min((x + 1) * s, k.width), std::min((y + 1) * s, k.height)};
-      const float cell_w = grid.inverse_depth[at(y * grid.width + x)];
       // Well above the floor the pixels need not be held against it one by one.
       const bool near_floor =
           input.floor != nullptr &&
-          (!around.one_surface || cell_w - input.floor->inverse_depth(grid.ray_x[at(x)], grid.ray_y[at(y)]) <
-                                      4 * floor_margin(*input.floor, cell_w));
+          (!around.one_surface ||
+           input.floor->covers(grid.ray_x[at(x)], grid.ray_y[at(y)], grid.inverse_depth[at(y * grid.width + x)], 4));
       const float same_surface_mm = 1e3F * continuity_tolerance(1e-3F * around.depth_mm[4]);
       for (int v = block.top; v < block.bottom; ++v) {
         const int side_y = v - block.top < half ? 0 : 6;
@@ -114,15 +117,12 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
           if (mm == 0) continue;
           const auto z_mm = static_cast<float>(mm);
           const bool inside = around.one_surface && std::abs(z_mm - around.depth_mm[4]) < same_surface_mm;
-          const std::uint8_t owner = inside ? around.owner[4]
-                                            : owner_of(around, z_mm, u - block.left < half ? 0 : 2, side_y);
+          const std::uint8_t owner =
+              inside ? around.owner[4] : owner_of(around, z_mm, u - block.left < half ? 0 : 2, side_y);
           if (owner == 0) continue;
-          if (near_floor) {
-            const auto ray_x = static_cast<float>((u - k.centre_x_px) / k.focal_x_px);
-            const auto ray_y = static_cast<float>((v - k.centre_y_px) / k.focal_y_px);
-            const float w = 1e3F / z_mm;
-            if (w - input.floor->inverse_depth(ray_x, ray_y) < floor_margin(*input.floor, w)) continue;
-          }
+          if (near_floor && input.floor->covers((static_cast<float>(u) - centre_x) * per_pixel_x,
+                                                (static_cast<float>(v) - centre_y) * per_pixel_y, 1e3F / z_mm))
+            continue;
           mask[row + at(u)] = input.ids[owner - std::size_t{1}];
           User& user = users[owner - std::size_t{1}];
           if (user.pixel_count++ == 0) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -9,12 +11,32 @@
 
 namespace armature {
 
+/// What is so near the floor that it is taken for a part of it.
+class FloorShadow {
+ public:
+  explicit FloorShadow(const ImagePlane& floor) noexcept
+      : floor_(floor), per_metre_(kThickness * std::sqrt(floor.a * floor.a + floor.b * floor.b + floor.c * floor.c)) {}
+
+  /// Whether it covers a point, grown to `times` its thickness.
+  [[nodiscard]] bool covers(float ray_x, float ray_y, float inverse_depth, float times = 1) const noexcept {
+    // At a height h a surface is nearer than the floor behind it: dw = w h / (camera height).
+    return inverse_depth - floor_.inverse_depth(ray_x, ray_y) <
+           times * std::max(1.8F * kDisparityStep, per_metre_ * inverse_depth);
+  }
+
+ private:
+  static constexpr float kThickness = 0.025F;  ///< metres of what stands on the floor that are given up with it
+
+  ImagePlane floor_;
+  float per_metre_;  ///< kThickness over the camera's height
+};
+
 /// What draw_user_mask() needs to know beside the frame.
 struct MaskInput {
   const DepthGrid& grid;
   std::span<const std::uint8_t> owners;  ///< [grid.height][grid.width], 0 = nobody, else 1 + place
   std::span<const std::uint8_t> ids;     ///< by place
-  const ImagePlane* floor = nullptr;
+  const FloorShadow* floor = nullptr;
 };
 
 /// Brings the grid's owners to full resolution: a pixel belongs to the user of that cell around it whose depth it
@@ -22,8 +44,5 @@ struct MaskInput {
 /// `users` (one a place) the pixel count and bounding box. Realtime-safe: yes.
 void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint8_t> mask,
                     std::span<User> users) noexcept;
-
-/// How far above the floor a surface must be so as not to be taken for it, in 1/m of inverse depth.
-[[nodiscard]] float floor_margin(const ImagePlane& floor, float inverse_depth) noexcept;
 
 }  // namespace armature

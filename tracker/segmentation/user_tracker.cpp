@@ -3,43 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracker/segmentation/flatness.h"
+#include "tracker/segmentation/human_shape.h"
 
 namespace armature {
 namespace {
 
-// What may become a user. Metres; a component may be only the upper body, or cut by the image's edge.
-constexpr float kMinBodyArea = 0.13F;
-constexpr float kMaxBodyArea = 1.6F;
-constexpr float kMinBodyHeight = 0.45F;
-constexpr float kMaxBodyHeight = 2.4F;
-constexpr float kMaxBodyWidth = 2.1F;
-constexpr float kMaxBodyDepth = 1.5F;
-constexpr float kMinHeadHeight = 1.05F;  ///< above the floor: a chair's back is lower, a seated person higher
-constexpr float kMaxHeadHeight = 2.4F;
-constexpr float kMaxFeetHeight = 0.75F;  ///< above the floor, unless cut by the image: what hangs on a wall is higher
-
-// What was there from the first frame may be furniture: what goes on above the image is taller than this, what goes on
-// beside it is wider.
-constexpr float kMaxCutHeadHeight = 1.75F;
-constexpr float kMinCutWidth = 0.35F;
-// Up to this distance bodies are rounder than furniture; farther away a disparity step is as deep as they are.
-constexpr float kFlatnessRange = 3.8F;
-constexpr float kMaxFlatness = 0.88F;
-
-// Two who touch.
-constexpr float kMinOfPairArea = 0.35F;  ///< of each
-constexpr float kMaxPairWidth = 2.4F;
-constexpr float kMinValley = 0.12F;      ///< from the lower head to the shoulders between them
-
+constexpr float kMinValley = 0.12F;  ///< from the lower head to the shoulders between them
 constexpr int kMaxId = 250;
 constexpr float kMinTrackedArea = 0.04F;  ///< less of a known user is not enough to go on
 constexpr float kMaxTrackedArea = 2.5F;   ///< more is a room that has moved, not a user
 constexpr float kSameSurface = 0.20F;     ///< metres along z that a user's surface moves in a frame at most
 constexpr float kSameBody = 0.40F;        ///< two people's centres are not nearer
 constexpr int kMaxMissed = 45;
-constexpr float kReach = 1.2F;            ///< from a body's centre to its hands
-constexpr float kLimbStep = 0.5F;         ///< depth from a hand to the body behind it
+constexpr float kReach = 1.2F;     ///< from a body's centre to its hands
+constexpr float kLimbStep = 0.5F;  ///< depth from a hand to the body behind it
 constexpr float kZoneMargin = 0.2F;
 
 // Furniture never moves; a person's centre or outline does sooner or later.
@@ -47,54 +24,12 @@ constexpr float kMovedDistance = 0.02F;
 constexpr float kMovedShare = 0.05F;  ///< of the cells, since birth
 constexpr int kFurnitureFrames = 600;
 
-std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
+std::size_t at(int i) noexcept {
+  return static_cast<std::size_t>(i);
+}
 
 float level_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) noexcept {
   return std::hypot(a.x() - b.x(), a.z() - b.z());
-}
-
-/// Whether head and feet are where a person's may be. Heights above the floor.
-bool upright(const Component& c, const std::optional<FloorPlane>& floor) noexcept {
-  if (!floor) return true;
-  const float head = c.highest + floor->offset;
-  const float feet = c.lowest + floor->offset;
-  if (head > kMaxHeadHeight || (head < kMinHeadHeight && !c.cut_above)) return false;
-  return c.cut_below || feet < kMaxFeetHeight;
-}
-
-bool human_sized(const Component& c, const std::optional<FloorPlane>& floor) noexcept {
-  return c.area >= kMinBodyArea && c.area <= kMaxBodyArea && c.height() >= kMinBodyHeight &&
-         c.height() <= kMaxBodyHeight && c.width() <= kMaxBodyWidth && c.far - c.near <= kMaxBodyDepth &&
-         upright(c, floor);
-}
-
-/// Whether it may be two people who touch.
-bool pair_sized(const Component& c) noexcept {
-  return c.area >= 2 * kMinOfPairArea && c.area <= 2 * kMaxBodyArea && c.height() >= kMinBodyHeight &&
-         c.height() <= kMaxBodyHeight && c.width() <= kMaxPairWidth && c.far - c.near <= kMaxBodyDepth;
-}
-
-/// Of something of human size that has been there from the first frame.
-bool looks_like_furniture(const DepthGrid& grid, const ComponentFinder& components, std::size_t c,
-                          const std::optional<FloorPlane>& floor) noexcept {
-  const Component& thing = components.components()[c];
-  if (floor && thing.cut_above && thing.highest + floor->offset > kMaxCutHeadHeight) return true;
-  if (thing.cut_aside && thing.width() < kMinCutWidth) return true;
-  return thing.centre.z() < kFlatnessRange &&
-         flatness(grid, components.labels(), static_cast<std::uint8_t>(c + 1)) > kMaxFlatness;
-}
-
-/// The largest piece beside a body that is taken for a part of it, square metres. Where the background is not known, a
-/// hand or forearm may hang in the air before the body; behind it only a lower leg is likely, all else is furniture.
-float most_to_attach(const Component& piece, const Component& body) noexcept {
-  const bool was_not_there = piece.foreground_cells * 2 > piece.cells;
-  if (was_not_there) return 0.3F;
-  constexpr float kLimb = 0.12F;
-  constexpr float kRemnant = 0.012F;
-  constexpr float kShinHeight = 0.32F;
-  if (piece.centre.z() < body.centre.z() + 0.05F) return kLimb;
-  const bool shin = 0.5F * (piece.lowest + piece.highest) - body.lowest < kShinHeight && piece.area > kRemnant;
-  return shin ? kLimb : 0.0F;
 }
 
 }  // namespace
@@ -201,8 +136,8 @@ void UserTracker::admit(const DepthGrid& grid, const ComponentFinder& components
   const auto found = components.components();
   for (std::size_t c = 0; c < found.size(); ++c) {
     if (owner_of_[c] != kNobody || !in_zone(found[c], 0)) continue;
-    const bool pair = pair_sized(found[c]);
-    if (!upright(found[c], floor) || !(pair || human_sized(found[c], floor))) continue;
+    const bool pair = pair_sized(found[c], floor);
+    if (!pair && !human_sized(found[c], floor)) continue;
     const bool was_there = found[c].foreground_cells * 2 < found[c].cells;
     if (was_there && looks_like_furniture(grid, components, c, floor)) continue;
     if (pair && admit_pair(grid, components, c)) continue;
@@ -372,8 +307,8 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
       sum[t] += Eigen::Vector3f(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
       area[t] += grid.area(z);
       ++cells[t];
-      changed[t] += owners_at_birth_[at(i)] != owners_[at(i)] ||
-                    std::abs(depth_at_birth_[at(i)] - z) > continuity_tolerance(z);
+      changed[t] +=
+          owners_at_birth_[at(i)] != owners_[at(i)] || std::abs(depth_at_birth_[at(i)] - z) > continuity_tolerance(z);
     }
   }
   std::array<bool, kMaxUsers> gone{};

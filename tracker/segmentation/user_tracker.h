@@ -53,8 +53,7 @@ class UserTracker {
   [[nodiscard]] bool in_zone(const Component& c, float margin) const noexcept;
   void count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void keep(std::span<const Component> found) noexcept;
-  void admit(const DepthGrid& grid, const ComponentFinder& components,
-             const std::optional<FloorPlane>& floor) noexcept;
+  void admit(const DepthGrid& grid, const ComponentFinder& components, const std::optional<FloorPlane>& floor) noexcept;
   void welcome(std::size_t place, const Eigen::Vector3f& centre) noexcept;
   [[nodiscard]] bool admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept;
   void remember_birth(const DepthGrid& grid) noexcept;
@@ -74,7 +73,7 @@ class UserTracker {
   std::vector<std::uint8_t> owners_at_birth_;  ///< what each user looked like when she was first seen
   std::vector<float> depth_at_birth_;
   std::vector<int> queue_;
-  std::array<std::uint8_t, kMaxComponents> owner_of_{};  ///< per component: kNobody, 1 + track, or kShared
+  std::array<std::uint8_t, kMaxComponents> owner_of_{};               ///< per component: kNobody, 1 + track, or kShared
   std::array<std::array<int, kMaxUsers>, kMaxComponents> overlap_{};  ///< cells that were a user's a frame ago
   std::array<int, kMaxUsers> previous_cells_{};
   std::array<bool, kMaxUsers> taken_{};  ///< by place: has a component in this frame

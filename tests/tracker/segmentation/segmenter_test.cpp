@@ -13,8 +13,8 @@ namespace {
 using test::furnished_room;
 using test::Room;
 
-float intersection_over_union(std::span<const std::uint8_t> mask, std::uint8_t id,
-                              std::span<const std::uint8_t> truth, std::uint8_t who) {
+float intersection_over_union(std::span<const std::uint8_t> mask, std::uint8_t id, std::span<const std::uint8_t> truth,
+                              std::uint8_t who) {
   int both = 0;
   int either = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -25,8 +25,8 @@ float intersection_over_union(std::span<const std::uint8_t> mask, std::uint8_t i
 }
 
 const User* nearest_to(const Segmentation& result, float x) {
-  const auto user = std::ranges::min_element(
-      result.users, {}, [x](const User& u) { return std::abs(u.centre.x() - x); });
+  const auto user =
+      std::ranges::min_element(result.users, {}, [x](const User& u) { return std::abs(u.centre.x() - x); });
   return user == result.users.end() ? nullptr : &*user;
 }
 
@@ -46,8 +46,8 @@ TEST(Segmenter, MeasuresTheFloorUnderATiltedSensor) {
   for (const float tilt_deg : {-20.0F, -8.0F, 0.0F, 12.0F, 25.0F}) {
     for (const float height : {0.5F, 1.0F, 2.0F}) {
       const float tilt = tilt_deg * std::numbers::pi_v<float> / 180;
-      // Positive tilt looks down. The image's lower edge looks down another 22.8 degrees: at least a metre and a half of
-      // floor must show before the wall.
+      // Positive tilt looks down. The image's lower edge looks down another 22.8 degrees: at least a metre and a half
+      // of floor must show before the wall.
       const float lowest_ray = tilt + 22.8F * std::numbers::pi_v<float> / 180;
       if (lowest_ray <= 0 || height / std::tan(lowest_ray) > 2.5F) continue;
       Room room = furnished_room(height, tilt);
