@@ -23,6 +23,10 @@ class StageTimer {
   std::chrono::nanoseconds last_;
 };
 
+bool stands(const CameraVelocity& velocity) noexcept {
+  return velocity.linear_m_s == 0 && velocity.angular_rad_s == 0;
+}
+
 constexpr std::size_t kMaxEvents = 4 + kMotionCount;
 
 }  // namespace
@@ -157,7 +161,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     case EngagementState::Calibrating: out.stop = StopReason::Calibrating; break;
     case EngagementState::Lost: out.stop = StopReason::TrackingLost; break;
     case EngagementState::Engaged:
-      out.stop = out.navigation.too_noisy ? StopReason::TooNoisy : StopReason::None;
+      out.stop = out.navigation.too_noisy && stands(out.navigation.velocity) ? StopReason::TooNoisy : StopReason::None;
       break;
   }
   out.events = {s.events.data(), s.event_count};

@@ -21,7 +21,7 @@ enum class StopReason : std::uint8_t {
   NoUser,
   Calibrating,
   TrackingLost,
-  TooNoisy,  ///< a steering motion's dead zone would be so wide that it cannot be steered with
+  TooNoisy,  ///< both stand, and a steering motion would need too wide a dead zone to be steered with
 };
 
 struct EngagementOptions {

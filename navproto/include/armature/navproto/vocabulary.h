@@ -61,7 +61,7 @@ inline constexpr std::array<std::string_view, 5> kEngagementNames = {
 /// Why both velocities are zero, whatever the body does. None: they follow the body (and may be zero all the same).
 enum class StopReason : std::uint8_t {
   None, NoUser, NotEngaged, TrackingLost, RestRequested, EndOfStream, SourceFailed, Reload, Exit,
-  TooNoisy,  ///< a steering motion's dead zone would be so wide that it cannot be steered with
+  TooNoisy,  ///< a steering motion would need too wide a dead zone to be steered with
 };
 inline constexpr std::array<std::string_view, 10> kStopReasonNames = {
     "none", "no_user", "not_engaged", "tracking_lost", "rest_requested", "end_of_stream", "source_failed", "reload",
