@@ -6,19 +6,26 @@
 
 #include <armature/navproto/nav_camera.h>
 
-#include "tests/tracker/steering_run.h"
+#include <gtest/gtest.h>
+
+#include "tools/tracking/steering_run.h"
+#include "tracker/installation.h"
 
 namespace armature {
 namespace {
 
-using test::steer;
-using test::SteeringFrame;
+using tools::SteeringFrame;
 using enum MotionId;
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+std::vector<SteeringFrame> steer(const std::string& uri, const SteeringPair& pair) {
+  static const auto forest = Forest::load(installed_model());
+  if (!forest) throw std::runtime_error(forest.error().message);
+  TrackerOptions options;
+  options.navigation.pair = pair;
+  options.navigation.allow_correlated = true;
+  auto frames = tools::run_steering(uri, std::make_shared<const Forest>(*forest), options);
+  if (!frames) throw std::runtime_error(frames.error().message);
+  return *frames;
 }
 
 /// A motion to steer with beside `motion`, which the script does not perform: the default pair's other half, or, where
@@ -35,22 +42,21 @@ class MotionAlone : public testing::TestWithParam<MotionId> {};
 TEST_P(MotionAlone, ComesOutRightAndSteersNothingElse) {
   const MotionId motion = GetParam();
   const std::string name(kMotionNames[index(motion)]);
-  std::vector<double> errors;
+  std::vector<std::vector<SteeringFrame>> runs;
   int engaged = 0, strayed = 0, present = 0;
   for (const char* seed : {"11", "12"}) {
-    for (const SteeringFrame& frame : steer(name + "?size=320x240&seed=" + seed, {motion, partner(motion)})) {
+    runs.push_back(steer(name + "?size=320x240&seed=" + seed, {motion, partner(motion)}));
+    for (const SteeringFrame& frame : runs.back()) {
       present += frame.present;
       if (!frame.engaged || !frame.present) continue;
       ++engaged;
-      errors.push_back(std::abs(double(frame.tracked.motions[index(motion)].normalized) -
-                                double(frame.true_normalized[index(motion)])));
       strayed += frame.tracked.walk != 0;
     }
   }
-  const double median = quantile(errors, 0.5), p95 = quantile(errors, 0.95);
-  std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames\n", name.c_str(),
+  const auto [frames, median, p95, slope, delay] = tools::motion_accuracy(runs, motion);
+  std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames; slope %.2f\n", name.c_str(),
               median, p95, std::string(kMotionNames[index(partner(motion))]).c_str(), 100.0 * strayed / engaged,
-              engaged);
+              engaged, slope);
   EXPECT_GE(engaged, 0.9 * present);
   EXPECT_LE(median, 0.10);
   EXPECT_LE(p95, 0.25);
@@ -60,7 +66,7 @@ TEST_P(MotionAlone, ComesOutRightAndSteersNothingElse) {
 INSTANTIATE_TEST_SUITE_P(Steering, MotionAlone,
                          testing::Values(RotateShoulders, RotateHips, LeanBust, BendBust, TranslateHips, BendKnees,
                                          Step),
-                         [](const auto& info) { return std::string(kMotionNames[index(info.param)]); });
+                         [](const auto& test) { return std::string(kMotionNames[index(test.param)]); });
 
 /// The nine pairs of section 3.5.3.
 constexpr SteeringPair kPairs[] = {{RotateShoulders, BendBust}, {RotateShoulders, BendKnees}, {RotateShoulders, Step},
@@ -97,7 +103,7 @@ TEST_P(PairAlongAPath, WalksItsPath) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Steering, PairAlongAPath, testing::Range(0, 9),
-                         [](const auto& info) { return std::string(1, static_cast<char>('a' + info.param)); });
+                         [](const auto& test) { return std::string(1, static_cast<char>('a' + test.param)); });
 
 TEST(Steering, ArmsAloneMoveNothing) {
   int engaged = 0, moving = 0;

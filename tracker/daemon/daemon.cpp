@@ -159,7 +159,11 @@ void Daemon::State::track(const DepthFrame& frame) {
   if (rest_requested && output.state == EngagementState::Calibrating) {
     navigation.stop_reason = wire::StopReason::RestRequested;
   }
-  publisher.publish_navigation(navigation);
+  if (!publisher.publish_navigation(navigation)) {
+    spdlog::error("frame {}: its message contradicts itself and was not published; the camera is stopped",
+                  output.sequence);
+    stop_camera(wire::StopReason::SourceFailed);
+  }
   last_frame = options.clock->now();
   latency.add(last_frame - received);
   ++processed;

@@ -22,6 +22,9 @@ struct MotionOptions {
   /// The angle that counts as 1, in the order of MotionId, radians.
   PerMotion<float> range_rad = {radians(35), radians(25), radians(30), radians(20),
                                 radians(25), radians(12), radians(30), radians(30)};
+  /// What a measured angle is multiplied by. The votes of a forest are means over many poses, which makes motions look
+  /// smaller than they are, in proportion; `armature bench steering` measures by how much, on synthetic people.
+  PerMotion<float> gain = {1, 1, 1, 1, 1, 1, 1, 1};
   OneEuroOptions filter;
   float min_confidence = 0.15F;                 ///< below it a motion is not measured but held
   std::chrono::milliseconds hold_time{150};  ///< how long it is held; afterwards it counts as zero

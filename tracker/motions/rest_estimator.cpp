@@ -22,10 +22,16 @@ constexpr float kJointNoiseAt1m = 0.0005F;
 /// What a motion's angle is measured over, metres, in the order of MotionId.
 constexpr PerMotion<float> kBaseline = {0.36F, 0.22F, 0.42F, 0.50F, 0.70F, 0.35F, 0.25F, 0.25F};
 
-/// How far from the rest pose, in ranges, standing still still counts as resting when the rest is improved.
-constexpr float kNearRest = 0.30F;
-/// A rest pose is improved until this many frames went into it; then the oldest fade.
+/// How far from the rest pose, in ranges, standing still counts as resting. A young rest pose may have caught somebody
+/// who was still settling and moves by more; later only what lies inside every dead zone, left or not yet entered, may
+/// move it, so that a small motion that is held is never taken for rest.
+constexpr float kNearYoungRest = 0.30F;
+constexpr float kNearRest = 0.12F;
+constexpr int kYoungFrames = 60;
+/// A rest pose is the mean of at most so many frames; then the oldest fade.
 constexpr int kAveragedFrames = 90;
+/// Improving looks at stillness over this span.
+constexpr std::chrono::milliseconds kImproveSpan{400};
 
 Skeleton blended(const Skeleton& a, const Skeleton& b, float weight_b) noexcept {
   Skeleton out = a;
@@ -101,10 +107,13 @@ void RestEstimator::adopt(std::size_t count, const Vector3f& up) noexcept {
   measure_noise(count);
 }
 
-void RestEstimator::improve(std::size_t count, const Vector3f& up) noexcept {
+void RestEstimator::improve(const Vector3f& up) noexcept {
+  const std::size_t count = samples_within(kImproveSpan);
+  if (!stands_still(count)) return;
+  const float near = averaged_ < kYoungFrames ? kNearYoungRest : kNearRest;
   const MotionAngles angles = motion_angles(recent(0).skeleton, *rest_);
   for (std::size_t m = 0; m < kMotionCount; ++m) {
-    if (std::abs(angles.angle_rad[m]) > kNearRest * motions_.range_rad[m]) return;
+    if (std::abs(motions_.gain[m] * angles.angle_rad[m]) > near * motions_.range_rad[m]) return;
   }
   averaged_ = std::min(averaged_ + 1, kAveragedFrames);
   const Skeleton mean = blended(rest_->skeleton, recent(0).skeleton, 1.0F / static_cast<float>(averaged_));
@@ -115,19 +124,24 @@ void RestEstimator::improve(std::size_t count, const Vector3f& up) noexcept {
 void RestEstimator::measure_noise(std::size_t count) noexcept {
   const float distance_m = rest_->skeleton[JointId::Waist].position.norm();
   PerMotion<OneEuro> filters;
-  PerMotion<float> square{};
+  PerMotion<float> sum{}, square{};
   for (std::size_t age = count; age-- > 0;) {
     const MotionAngles angles = motion_angles(recent(age).skeleton, *rest_);
     const float dt_s = age + 1 < count ? std::chrono::duration<float>(recent(age).time - recent(age + 1).time).count()
                                        : 1.0F;
     for (std::size_t m = 0; m < kMotionCount; ++m) {
-      const float angle = filters[m].filter(angles.angle_rad[m], std::max(dt_s, 1e-3F), motions_.filter);
+      const float angle =
+          filters[m].filter(motions_.gain[m] * angles.angle_rad[m], std::max(dt_s, 1e-3F), motions_.filter);
+      sum[m] += angle;
       square[m] += angle * angle;
     }
   }
+  const auto n = static_cast<float>(count);
   for (std::size_t m = 0; m < kMotionCount; ++m) {
-    const float seen = std::sqrt(square[m] / static_cast<float>(count));
-    const float known = std::numbers::sqrt2_v<float> * kJointNoiseAt1m * distance_m * distance_m / kBaseline[m];
+    const float mean = sum[m] / n;
+    const float seen = std::sqrt(std::max(0.0F, square[m] / n - mean * mean));
+    const float known = motions_.gain[m] * std::numbers::sqrt2_v<float> * kJointNoiseAt1m * distance_m * distance_m /
+                        kBaseline[m];
     sigma_rad_[m] = std::max(seen, known);
   }
 }
@@ -146,7 +160,7 @@ void RestEstimator::observe(const Skeleton& skeleton, const Vector3f& up, std::c
   ++seen_;
 
   if (options_.mode == RestMode::Stillness) {
-    if (rest_) return;
+    if (rest_) return improve(up);
     const std::size_t count = samples_within(options_.stillness);
     const bool still = stands_still(count);
     const auto span = recent(0).time - recent(count - 1).time;
@@ -165,10 +179,7 @@ void RestEstimator::observe(const Skeleton& skeleton, const Vector3f& up, std::c
     if (seen_ >= wanted) adopt(wanted, up);
     return;
   }
-  if (options_.mode == RestMode::Auto) {
-    const std::size_t count = samples_within(std::chrono::milliseconds(400));
-    if (stands_still(count)) improve(count, up);
-  }
+  if (options_.mode == RestMode::Auto) improve(up);
 }
 
 }  // namespace armature

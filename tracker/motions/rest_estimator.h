@@ -12,7 +12,7 @@ namespace armature {
 
 /// Where the rest pose comes from (section 3.5.1: no T-pose is asked for).
 enum class RestMode {
-  Stillness,  ///< live: the mean over the first second in which the user stands still
+  Stillness,  ///< live: the mean over the first second in which the user stands still, improved as Auto does
   Auto,       ///< offline: provisional from the first frames, improved whenever the user stands still near it
   First,      ///< offline: the mean over the first `first_frames` tracked frames
   Fixed,      ///< given
@@ -24,8 +24,8 @@ struct RestOptions {
   RestMode mode = RestMode::Stillness;
   std::chrono::milliseconds stillness{1000};  ///< Stillness: how long the user has to stand still
   int first_frames = 10;                      ///< Auto: frames of the provisional rest. First: all of it
-  float still_spread_m = 0.030F;  ///< a joint counts as still below this standard deviation at 2 m; grows with distance
-  float still_drift_m = 0.025F;   ///< and below this difference between the means of both halves of the window
+  float still_spread_m = 0.015F;  ///< a joint counts as still below this standard deviation at 2 m; grows with distance
+  float still_drift_m = 0.010F;   ///< and below this difference between the means of both halves of the window
   std::optional<RestPose> fixed{}; ///< Fixed: the pose
 };
 
@@ -63,7 +63,7 @@ class RestEstimator {
   [[nodiscard]] std::size_t samples_within(std::chrono::nanoseconds span) const noexcept;
   [[nodiscard]] bool stands_still(std::size_t count) const noexcept;
   void adopt(std::size_t count, const Eigen::Vector3f& up) noexcept;
-  void improve(std::size_t count, const Eigen::Vector3f& up) noexcept;
+  void improve(const Eigen::Vector3f& up) noexcept;
   void measure_noise(std::size_t count) noexcept;
 
   RestOptions options_;
