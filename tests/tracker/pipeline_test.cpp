@@ -1,0 +1,121 @@
+#include "tracker/pipeline.h"
+
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "tracker/installation.h"
+#include "tracker/synth/synth_source.h"
+
+namespace {
+std::size_t allocations = 0;
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::shared_ptr<const Forest> shipped_forest() {
+  auto forest = Forest::load(installed_model());
+  EXPECT_TRUE(forest) << forest.error().message;
+  return forest ? std::make_shared<const Forest>(std::move(*forest)) : nullptr;
+}
+
+TEST(Pipeline, AllocatesNothingOnceItHasTakenItsMemory) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  auto source = SynthSource::open("walk_in?size=320x240&seed=3");
+  ASSERT_TRUE(source);
+  Pipeline pipeline(forest, {});
+  pipeline.reset((*source)->info().intrinsics);
+  DepthFrame frame;
+  std::size_t during_process = 0;
+  bool somebody = false;
+  while (true) {
+    const auto status = (*source)->read(frame, 1s);
+    ASSERT_TRUE(status);
+    if (*status != ReadStatus::Frame) break;
+    const std::size_t before = allocations;
+    somebody |= pipeline.process(frame.view()).tracking;
+    during_process += allocations - before;
+  }
+  EXPECT_TRUE(somebody);
+  EXPECT_EQ(during_process, 0U) << "an empty room, somebody who walks in, calibrates and steers";
+}
+
+TEST(Pipeline, GivesTheSameForTheSameFramesWhateverItSawBefore) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  TrackerOptions options;
+  options.rest.mode = RestMode::Auto;
+  const auto play = [&](Pipeline& pipeline) {
+    auto source = SynthSource::open("lean_bust?size=160x120&seed=3");
+    pipeline.reset((*source)->info().intrinsics);
+    std::vector<float> all;
+    DepthFrame frame;
+    while (true) {
+      const auto status = (*source)->read(frame, 1s);
+      if (!status || *status != ReadStatus::Frame) return all;
+      const TrackerOutput& output = pipeline.process(frame.view());
+      for (const Joint& joint : output.skeleton.joints) all.push_back(joint.position.sum());
+      for (const MotionOutput& motion : output.navigation.motions) all.push_back(motion.shaped);
+    }
+  };
+  Pipeline fresh(forest, options), used(forest, options);
+  const auto first = play(used);
+  EXPECT_EQ(play(used), first);
+  EXPECT_EQ(play(fresh), first);
+}
+
+TEST(Pipeline, StopsInTheFrameInWhichNobodyIsThereAnyMore) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  auto source = SynthSource::open("bend_knees?size=160x120&seed=3");
+  ASSERT_TRUE(source);
+  TrackerOptions options;
+  options.rest.mode = RestMode::Auto;
+  Pipeline pipeline(forest, options);
+  DepthFrame frame;
+  const TrackerOutput* output = nullptr;
+  do {
+    const auto status = (*source)->read(frame, 1s);
+    ASSERT_TRUE(status && *status == ReadStatus::Frame) << "she never walked";
+    output = &pipeline.process(frame.view());
+  } while (output->navigation.velocity.linear_m_s == 0);
+  std::fill(frame.depth_mm.begin(), frame.depth_mm.end(), std::uint16_t{0});
+  frame.sensor.time += 33ms;
+  output = &pipeline.process(frame.view());
+  EXPECT_EQ(output->navigation.velocity.linear_m_s, 0);
+  EXPECT_FALSE(output->tracking);
+  EXPECT_EQ(output->stop, StopReason::TrackingLost);
+}
+
+}  // namespace
+}  // namespace armature
