@@ -14,7 +14,10 @@ struct NavigationOptions {
   SteeringPair pair;
   bool allow_correlated = false;
   MotionOptions motions;
-  PerMotion<TransferOptions> transfer{};
+  /// Ours, as all of this. Real people who only move their arms shift their weight and turn their hips a little: knees
+  /// by up to a third of the range, hips by a fifth.
+  PerMotion<TransferOptions> transfer = {{{.alpha = 0.20F}, {.alpha = 0.25F}, {.alpha = 0.20F}, {.alpha = 0.25F},
+                                          {.alpha = 0.20F}, {.alpha = 0.25F}, {.alpha = 0.35F}, {.alpha = 0.35F}}};
   ActuatorOptions actuator;
 };
 

@@ -26,7 +26,7 @@ struct MotionOptions {
   /// smaller than they are, in proportion; `armature bench steering` measures by how much, on synthetic people.
   /// These are of the shipped model, seeds 101 to 106; that of step is the one with the smallest 95th percentile, since a
   /// lifted foot makes it anything but proportional.
-  PerMotion<float> gain = {1.24F, 1.63F, 1.40F, 1.72F, 1.04F, 1.72F, 1.26F, 0.92F};
+  PerMotion<float> gain = {1.24F, 1.63F, 1.40F, 1.72F, 1.04F, 1.72F, 1.26F, 0.85F};
   OneEuroOptions filter;
   float min_confidence = 0.15F;                 ///< below it a motion is not measured but held
   std::chrono::milliseconds hold_time{150};  ///< how long it is held; afterwards it counts as zero
