@@ -46,10 +46,16 @@ class Reader {
     }
   }
   void text(std::string_view key, std::string& value, std::string_view) {
-    take<std::string>(key, "a text in quotes", [&](const std::string& v) { value = v; return true; });
+    take<std::string>(key, "a text in quotes", [&](const std::string& v) {
+      value = v;
+      return true;
+    });
   }
   void flag(std::string_view key, bool& value, std::string_view) {
-    take<bool>(key, "true or false", [&](bool v) { value = v; return true; });
+    take<bool>(key, "true or false", [&](bool v) {
+      value = v;
+      return true;
+    });
   }
   void whole(std::string_view key, int& value, int low, int high, std::string_view) {
     take<std::int64_t>(key, fmt::format("a whole number from {} to {}", low, high), [&](std::int64_t v) {
@@ -206,9 +212,9 @@ Expected<Config> parse_config(std::string_view text, std::string_view name) {
   }
   const SegmentationOptions& zone = config.tracker.segmentation;
   if (zone.near_m >= zone.far_m) {
-    reader.complain(reader.place(reader.has("segmentation.near_m") ? "segmentation.near_m" : "segmentation.far_m"),
-                    fmt::format("segmentation.near_m = {} and far_m = {}: expected near_m < far_m", zone.near_m,
-                                zone.far_m));
+    reader.complain(
+        reader.place(reader.has("segmentation.near_m") ? "segmentation.near_m" : "segmentation.far_m"),
+        fmt::format("segmentation.near_m = {} and far_m = {}: expected near_m < far_m", zone.near_m, zone.far_m));
   }
   if (!reader.complaint().empty()) return fail(reader.complaint());
   return config;

@@ -15,10 +15,10 @@ inline constexpr std::array<std::string_view, 2> kProfileNames = {"standing", "s
 
 /// Everything that can be set, with its defaults. The TOML file names, documents and bounds each of them.
 struct Config {
-  std::string source;                                  ///< URI; empty: named on the command line
-  bool lossless = false;                               ///< a recording is read frame by frame, none dropped
+  std::string source;                                ///< URI; empty: named on the command line
+  bool lossless = false;                             ///< a recording is read frame by frame, none dropped
   std::string endpoint = "ipc:///run/armature/nav";  ///< where navigation is published
-  std::string model;                                   ///< a forest; empty: the one that is installed
+  std::string model;                                 ///< a forest; empty: the one that is installed
   Profile profile = Profile::Standing;
   TrackerOptions tracker;
 };

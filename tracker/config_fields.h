@@ -51,8 +51,9 @@ void visit_config(Config& c, Visitor& v) {
 
   NavigationOptions& navigation = c.tracker.navigation;
   v.section("navigation", "What the two motions do. Forward and to the left are positive.");
-  v.choice("profile", c.profile, kProfileNames, "the default pair: standing (lean_bust, bend_knees) or "
-                                                "seated (rotate_shoulders, bend_bust)");
+  v.choice("profile", c.profile, kProfileNames,
+           "the default pair: standing (lean_bust, bend_knees) or "
+           "seated (rotate_shoulders, bend_bust)");
   v.choice("turn", navigation.pair.turn, kMotionNames, "the motion that turns the view");
   v.choice("walk", navigation.pair.walk, kMotionNames, "the motion that walks");
   v.flag("allow_correlated", navigation.allow_correlated, "allow pairs that move together on most bodies");

@@ -10,6 +10,8 @@ namespace armature {
 [[nodiscard]] std::filesystem::path installed_file(std::string_view name);
 
 /// The forest that comes with Armature.
-[[nodiscard]] inline std::filesystem::path installed_model() { return installed_file("person.forest"); }
+[[nodiscard]] inline std::filesystem::path installed_model() {
+  return installed_file("person.forest");
+}
 
 }  // namespace armature

@@ -16,8 +16,14 @@ struct NavigationOptions {
   MotionOptions motions;
   /// Ours, as all of this. Real people who only move their arms shift their weight and turn their hips a little: knees
   /// by up to a third of the range, hips by a fifth.
-  PerMotion<TransferOptions> transfer = {{{.alpha = 0.20F}, {.alpha = 0.25F}, {.alpha = 0.20F}, {.alpha = 0.25F},
-                                          {.alpha = 0.20F}, {.alpha = 0.25F}, {.alpha = 0.35F}, {.alpha = 0.35F}}};
+  PerMotion<TransferOptions> transfer = {{{.alpha = 0.20F},
+                                          {.alpha = 0.25F},
+                                          {.alpha = 0.20F},
+                                          {.alpha = 0.25F},
+                                          {.alpha = 0.20F},
+                                          {.alpha = 0.25F},
+                                          {.alpha = 0.35F},
+                                          {.alpha = 0.35F}}};
   ActuatorOptions actuator;
 };
 

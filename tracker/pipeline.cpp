@@ -170,12 +170,20 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   return out;
 }
 
-void Pipeline::capture_rest() noexcept { state_->navigator.start_over(); }
+void Pipeline::capture_rest() noexcept {
+  state_->navigator.start_over();
+}
 
-void Pipeline::set_navigation(const NavigationOptions& options) noexcept { state_->navigator.set_options(options); }
+void Pipeline::set_navigation(const NavigationOptions& options) noexcept {
+  state_->navigator.set_options(options);
+}
 
-const NavigationOptions& Pipeline::navigation_options() const noexcept { return state_->navigator.options(); }
+const NavigationOptions& Pipeline::navigation_options() const noexcept {
+  return state_->navigator.options();
+}
 
-const RestEstimator& Pipeline::rest() const noexcept { return state_->navigator.rest(); }
+const RestEstimator& Pipeline::rest() const noexcept {
+  return state_->navigator.rest();
+}
 
 }  // namespace armature

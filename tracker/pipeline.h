@@ -34,7 +34,13 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {"segme
                                                                           "motions",      "transfer", "engagement"};
 
 enum class TrackerEventKind : std::uint8_t {
-  UserEntered, UserLeft, RestCaptured, Engaged, TrackingLost, TrackingRegained, MotionTooNoisy,
+  UserEntered,
+  UserLeft,
+  RestCaptured,
+  Engaged,
+  TrackingLost,
+  TrackingRegained,
+  MotionTooNoisy,
 };
 struct TrackerEvent {
   TrackerEventKind kind = TrackerEventKind::UserEntered;
@@ -46,17 +52,17 @@ struct TrackerEvent {
 struct TrackerOutput {
   std::uint64_t sequence = 0;
   Timestamp sensor, host;
-  bool tracking = false;     ///< a skeleton is there, whoever is engaged
-  std::uint8_t user = 0;     ///< the active user, 0 = none
-  Skeleton skeleton;         ///< of the active user; all lost where not tracking
-  UserFrame user_frame;      ///< of the rest pose, once known
+  bool tracking = false;  ///< a skeleton is there, whoever is engaged
+  std::uint8_t user = 0;  ///< the active user, 0 = none
+  Skeleton skeleton;      ///< of the active user; all lost where not tracking
+  UserFrame user_frame;   ///< of the rest pose, once known
   EngagementState state = EngagementState::Absent;
   StopReason stop = StopReason::NoUser;
-  float rest_progress = 0;   ///< in [0, 1]
+  float rest_progress = 0;  ///< in [0, 1]
   Navigation navigation;
   std::array<std::chrono::nanoseconds, kStageCount> stage_time{};
-  std::span<const TrackerEvent> events;           ///< of this frame
-  std::span<const std::uint8_t> user_of_pixel;    ///< [height][width], as Segmentation has it
+  std::span<const TrackerEvent> events;         ///< of this frame
+  std::span<const std::uint8_t> user_of_pixel;  ///< [height][width], as Segmentation has it
 };
 
 /// Composes the stages: segmentation -> forest -> joints -> motions, transfer and actuator. Owns all their memory.

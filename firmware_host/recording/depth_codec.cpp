@@ -84,8 +84,7 @@ bool decode_depth(DepthCodec codec, std::span<const std::byte> payload, std::spa
       if (payload.size() != depth_mm.size_bytes()) return false;
       if (!payload.empty()) std::memcpy(depth_mm.data(), payload.data(), payload.size());
       return true;
-    case DepthCodec::Differences:
-      return decode_differences(payload, {depth_mm, nullptr, 0});
+    case DepthCodec::Differences: return decode_differences(payload, {depth_mm, nullptr, 0});
     case DepthCodec::TableDifferences: {
       if (payload.size() < 2) return false;
       const std::size_t table_size = load16(payload.data());

@@ -189,9 +189,7 @@ Expected<void> Walk::handle(const OniRecordHeader& header) {
   }
   if (node.removed) return wrong("a record of a node that was removed");
   switch (header.type) {
-    case OniRecordType::NodeRemoved:
-      node.removed = true;
-      return {};
+    case OniRecordType::NodeRemoved: node.removed = true; return {};
     case OniRecordType::StateReady:
       // The player makes a node's codec here, from the properties that came before.
       if (node.type == kDepthNode && (layout_.width == 0 || !node.cropping_stated || !node.max_depth_stated))
@@ -202,15 +200,12 @@ Expected<void> Walk::handle(const OniRecordHeader& header) {
       if (!node.ready || !node.generator() || fields_.size() < 12) return wrong("data begin out of order");
       node.data_begun = true;
       return {};
-    case OniRecordType::NewData:
-      return take_frame(header, node);
+    case OniRecordType::NewData: return take_frame(header, node);
     case OniRecordType::IntProperty:
     case OniRecordType::RealProperty:
     case OniRecordType::StringProperty:
-    case OniRecordType::GeneralProperty:
-      return take_property(header, node);
-    default:
-      return wrong("a record of unknown kind " + std::to_string(static_cast<std::uint32_t>(header.type)));
+    case OniRecordType::GeneralProperty: return take_property(header, node);
+    default: return wrong("a record of unknown kind " + std::to_string(static_cast<std::uint32_t>(header.type)));
   }
 }
 

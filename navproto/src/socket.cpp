@@ -9,12 +9,9 @@ tl::unexpected<Error> refuse(const std::string& endpoint, int error) {
   switch (error) {
     case EADDRINUSE:
       return fail(endpoint + ": already in use; stop the program that has it or choose another endpoint");
-    case EACCES:
-      return fail(endpoint + ": permission denied; choose an endpoint this user may create");
-    case ENOENT:
-      return fail(endpoint + ": its directory does not exist; create it or choose another endpoint");
-    default:
-      return fail(endpoint + ": " + zmq_strerror(error));
+    case EACCES: return fail(endpoint + ": permission denied; choose an endpoint this user may create");
+    case ENOENT: return fail(endpoint + ": its directory does not exist; create it or choose another endpoint");
+    default: return fail(endpoint + ": " + zmq_strerror(error));
   }
 }
 

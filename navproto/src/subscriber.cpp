@@ -113,16 +113,11 @@ struct NavSubscriber::Impl {
 
   void accept(std::span<const std::byte> part) {
     switch (topic_of(part).value_or(Topic::Feed)) {
-      case Topic::Navigation:
-        return accept_as<NavigationMessage>(part);
-      case Topic::Skeleton:
-        return accept_as<SkeletonMessage>(part);
-      case Topic::Event:
-        return accept_as<EventMessage>(part);
-      case Topic::Health:
-        return accept_as<HealthMessage>(part);
-      default:
-        return;
+      case Topic::Navigation: return accept_as<NavigationMessage>(part);
+      case Topic::Skeleton: return accept_as<SkeletonMessage>(part);
+      case Topic::Event: return accept_as<EventMessage>(part);
+      case Topic::Health: return accept_as<HealthMessage>(part);
+      default: return;
     }
   }
 

@@ -25,24 +25,12 @@ inline DepthFrame sample_frame(int width, int height, std::uint64_t number) {
     const auto stripe = (i / 37 + number) % 6;
     const auto noise = static_cast<std::uint16_t>(random >> 20);
     switch (stripe) {
-      case 0:
-        frame.depth_mm[i] = 0;
-        break;
-      case 1:
-        frame.depth_mm[i] = static_cast<std::uint16_t>(1500 + i % 37);
-        break;
-      case 2:
-        frame.depth_mm[i] = static_cast<std::uint16_t>(800 + noise % 5);
-        break;
-      case 3:
-        frame.depth_mm[i] = static_cast<std::uint16_t>(noise * 15);
-        break;
-      case 4:
-        frame.depth_mm[i] = 2222;
-        break;
-      default:
-        frame.depth_mm[i] = static_cast<std::uint16_t>(i % 2 == 0 ? 65534 : 1);
-        break;
+      case 0: frame.depth_mm[i] = 0; break;
+      case 1: frame.depth_mm[i] = static_cast<std::uint16_t>(1500 + i % 37); break;
+      case 2: frame.depth_mm[i] = static_cast<std::uint16_t>(800 + noise % 5); break;
+      case 3: frame.depth_mm[i] = static_cast<std::uint16_t>(noise * 15); break;
+      case 4: frame.depth_mm[i] = 2222; break;
+      default: frame.depth_mm[i] = static_cast<std::uint16_t>(i % 2 == 0 ? 65534 : 1); break;
     }
   }
   return frame;

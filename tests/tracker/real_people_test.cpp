@@ -26,8 +26,7 @@ Played play(const tools::UtdSequence& sequence, const std::shared_ptr<const Fore
   Played out;
   for (std::size_t i = 0; i < sequence.frame_count(); ++i) {
     const Timestamp time{std::chrono::nanoseconds(33'333'333) * static_cast<long>(i), ClockId::Recording};
-    const TrackerOutput& output =
-        pipeline.process({sequence.frame(i), sequence.intrinsics, i, time, time});
+    const TrackerOutput& output = pipeline.process({sequence.frame(i), sequence.intrinsics, i, time, time});
     ++out.frames;
     out.tracked += output.tracking;
     if (out.tracked <= kRestFrames) continue;

@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include <armature/navproto/nav_camera.h>
-
 #include <gtest/gtest.h>
 
 #include "tools/tracking/steering_run.h"
@@ -54,9 +53,9 @@ TEST_P(MotionAlone, ComesOutRightAndSteersNothingElse) {
     }
   }
   const auto [frames, median, p95, slope, delay] = tools::motion_accuracy(runs, motion);
-  std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames; slope %.2f\n", name.c_str(),
-              median, p95, std::string(kMotionNames[index(partner(motion))]).c_str(), 100.0 * strayed / engaged,
-              engaged, slope);
+  std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames; slope %.2f\n",
+              name.c_str(), median, p95, std::string(kMotionNames[index(partner(motion))]).c_str(),
+              100.0 * strayed / engaged, engaged, slope);
   EXPECT_GE(engaged, 0.9 * present);
   EXPECT_LE(median, 0.10);
   EXPECT_LE(p95, 0.25);

@@ -51,8 +51,7 @@ Json percentiles_json(const Percentiles& p) {
 
 /// A socket of the bench's own, gone when it is.
 struct PrivateEndpoint {
-  std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / fmt::format("armature-bench-{}", getpid());
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("armature-bench-{}", getpid());
   PrivateEndpoint() { std::filesystem::create_directories(folder); }
   ~PrivateEndpoint() {
     std::error_code ignored;
@@ -165,11 +164,12 @@ Expected<void> bench_steering(const SteeringOptions& options) {
   auto forest = load_forest(*config);
   if (!forest) return tl::unexpected(forest.error());
   Interrupt interrupt;
-  ProgressBar bar({.title = "steering", .total = static_cast<double>(kMotionCount * options.seeds.size()),
-                   .unit = "runs"});
+  ProgressBar bar(
+      {.title = "steering", .total = static_cast<double>(kMotionCount * options.seeds.size()), .unit = "runs"});
   if (!options.json) {
-    std::printf("%s\n", fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>7}", "motion", "median", "p95", "slope", "gain",
-                                    "delay").c_str());
+    std::printf(
+        "%s\n",
+        fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>7}", "motion", "median", "p95", "slope", "gain", "delay").c_str());
   }
   for (std::size_t m = 0; m < kMotionCount && !interrupt.requested(); ++m) {
     const MotionId motion = static_cast<MotionId>(m);
@@ -195,8 +195,8 @@ Expected<void> bench_steering(const SteeringOptions& options) {
                                               {"delay_frames", accuracy.delay_frames}});
       if (!written) return written;
     } else {
-      std::printf("%s\n", fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8.2f}{:>7}", kMotionNames[m],
-                                      accuracy.median, accuracy.p95, accuracy.slope, gain, accuracy.delay_frames)
+      std::printf("%s\n", fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8.2f}{:>7}", kMotionNames[m], accuracy.median,
+                                      accuracy.p95, accuracy.slope, gain, accuracy.delay_frames)
                               .c_str());
     }
   }
@@ -219,21 +219,24 @@ void add_bench(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   tracker->add_flag("--json", options->json, "one JSON object");
-  tracker->footer("Machines are noisy: compare percentiles of one run, or run both sides in turns.\n\n"
-                  "Example:\n  armature bench tracker --source 'synth:demo?size=640x480' --json");
+  tracker->footer(
+      "Machines are noisy: compare percentiles of one run, or run both sides in turns.\n\n"
+      "Example:\n  armature bench tracker --source 'synth:demo?size=640x480' --json");
   tracker->callback([options, &run] { run = [options] { return bench_tracker(*options); }; });
 
   auto steering_options = std::make_shared<SteeringOptions>();
   CLI::App* steering = bench->add_subcommand(
-      "steering", "How right each motion comes out, on synthetic people: error of the normalised value, slope of the "
-                  "measured angle over the true one, and the gain that would make that slope 1.");
+      "steering",
+      "How right each motion comes out, on synthetic people: error of the normalised value, slope of the "
+      "measured angle over the true one, and the gain that would make that slope 1.");
   steering->add_option("--config", steering_options->config_file, "the daemon's TOML file")->type_name("FILE");
   steering->add_option("--model", steering_options->model, "a forest other than the installed one")->type_name("FILE");
   steering->add_option("--size", steering_options->size, "of the images")->type_name("WxH")->capture_default_str();
   steering->add_option("--seeds", steering_options->seeds, "people")->delimiter(',')->capture_default_str();
   steering->add_flag("--json", steering_options->json, "one JSON object a motion");
   steering->footer("Example:\n  armature bench steering --seeds 101,102,103");
-  steering->callback([steering_options, &run] { run = [steering_options] { return bench_steering(*steering_options); }; });
+  steering->callback(
+      [steering_options, &run] { run = [steering_options] { return bench_steering(*steering_options); }; });
 }
 
 }  // namespace armature::tools

@@ -66,13 +66,12 @@ class EarlierRun {
 
 void print_line(const TrackerOutput& output, std::uint64_t frame, double time_s, const SteeringPair& pair) {
   const auto& motions = output.navigation.motions;
-  std::printf("%s\n",
-              fmt::format("{:6} {:8.3f} s  {}  {} {:+.2f}  {} {:+.2f}  {:+.3f} m/s {:+.3f} rad/s", frame, time_s,
-                          output.tracking ? fmt::format("user {}", output.user) : "nobody",
-                          kMotionNames[index(pair.walk)], motions[index(pair.walk)].normalized,
-                          kMotionNames[index(pair.turn)], motions[index(pair.turn)].normalized,
-                          output.navigation.velocity.linear_m_s, output.navigation.velocity.angular_rad_s)
-                  .c_str());
+  std::printf("%s\n", fmt::format("{:6} {:8.3f} s  {}  {} {:+.2f}  {} {:+.2f}  {:+.3f} m/s {:+.3f} rad/s", frame,
+                                  time_s, output.tracking ? fmt::format("user {}", output.user) : "nobody",
+                                  kMotionNames[index(pair.walk)], motions[index(pair.walk)].normalized,
+                                  kMotionNames[index(pair.turn)], motions[index(pair.turn)].normalized,
+                                  output.navigation.velocity.linear_m_s, output.navigation.velocity.angular_rad_s)
+                          .c_str());
 }
 
 Expected<void> replay(const ReplayOptions& options) {
@@ -163,7 +162,8 @@ void add_replay(CLI::App& app, Run& run) {
   add_tracker_setup(*command, options->setup);
   command->add_flag("--json", options->json, "one JSON object a frame: joints, motions, velocities");
   command->add_flag("--timings", options->timings, "with --json: microseconds a stage (these differ between runs)");
-  command->add_option("--compare", options->compare, "hold the run against an earlier one and name the first difference")
+  command
+      ->add_option("--compare", options->compare, "hold the run against an earlier one and name the first difference")
       ->type_name("FILE");
   command->add_option("--save-rest", options->save_rest, "write the rest pose, for --rest FILE")->type_name("FILE");
   command->footer(

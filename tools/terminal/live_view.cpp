@@ -36,15 +36,11 @@ Rgb status_colour(const LiveState& state) {
   if (!state.fresh || !state.navigation) return palette::kDim;
   if (stopped(*state.navigation)) return palette::kWarning;
   switch (state.navigation->engagement) {
-    case Engagement::Engaged:
-      return palette::kWalk;
+    case Engagement::Engaged: return palette::kWalk;
     case Engagement::CapturingRest:
-    case Engagement::Detected:
-      return palette::kWaiting;
-    case Engagement::Suspended:
-      return palette::kWarning;
-    case Engagement::NoUser:
-      return palette::kDim;
+    case Engagement::Detected: return palette::kWaiting;
+    case Engagement::Suspended: return palette::kWarning;
+    case Engagement::NoUser: return palette::kDim;
   }
   return palette::kDim;
 }
@@ -90,16 +86,11 @@ std::string status_text(const LiveState& state) {
   if (stopped(navigation)) return "stopped: " + words(navproto::name(navigation.stop_reason));
   if (!state.fresh) return "silent: nothing has come for a while";
   switch (navigation.engagement) {
-    case Engagement::NoUser:
-      return "nobody there";
-    case Engagement::Detected:
-      return "somebody there, not steering";
-    case Engagement::CapturingRest:
-      return "stand still: taking the rest pose";
-    case Engagement::Engaged:
-      return "steering";
-    case Engagement::Suspended:
-      return "suspended: tracking lost";
+    case Engagement::NoUser: return "nobody there";
+    case Engagement::Detected: return "somebody there, not steering";
+    case Engagement::CapturingRest: return "stand still: taking the rest pose";
+    case Engagement::Engaged: return "steering";
+    case Engagement::Suspended: return "suspended: tracking lost";
   }
   return {};
 }

@@ -47,9 +47,7 @@ void append_style(std::string& out, const Style& style, ColourDepth depth) {
   std::array<char, 40> code{};
   const char* weight = style.bold ? "1" : "0";
   switch (depth) {
-    case ColourDepth::None:
-      std::snprintf(code.data(), code.size(), "\x1b[%sm", weight);
-      break;
+    case ColourDepth::None: std::snprintf(code.data(), code.size(), "\x1b[%sm", weight); break;
     case ColourDepth::Palette256:
       std::snprintf(code.data(), code.size(), "\x1b[0;%s;38;5;%dm", weight, palette_index(style.colour));
       break;

@@ -32,51 +32,34 @@ constexpr std::array<std::array<int, 2>, 8> kDots = {{{0, 0}, {0, 1}, {0, 2}, {1
 /// A line-drawing character as SVG path data about the cell's centre, empty for other characters.
 std::string line_shape(char32_t glyph) {
   switch (glyph) {
-    case U'─':
-      return "m-5 0h10";
-    case U'│':
-      return "m0 -10v20";
-    case U'┊':
-      return "m0 -8v4m0 4v4m0 4v2";
-    case U'╭':
-      return "m5 0h-1q-4 0 -4 4v6";
-    case U'╮':
-      return "m-5 0h1q4 0 4 4v6";
-    case U'╰':
-      return "m5 0h-1q-4 0 -4 -4v-6";
-    case U'╯':
-      return "m-5 0h1q4 0 4 -4v-6";
-    case U'├':
-      return "m0 -10v20m0 -10h5";
-    case U'┤':
-      return "m0 -10v20m0 -10h-5";
-    default:
-      return {};
+    case U'─': return "m-5 0h10";
+    case U'│': return "m0 -10v20";
+    case U'┊': return "m0 -8v4m0 4v4m0 4v2";
+    case U'╭': return "m5 0h-1q-4 0 -4 4v6";
+    case U'╮': return "m-5 0h1q4 0 4 4v6";
+    case U'╰': return "m5 0h-1q-4 0 -4 -4v-6";
+    case U'╯': return "m-5 0h1q4 0 4 -4v-6";
+    case U'├': return "m0 -10v20m0 -10h5";
+    case U'┤': return "m0 -10v20m0 -10h-5";
+    default: return {};
   }
 }
 
 /// A bar's character as the left and right edge of a bar in its cell; none of both for other characters.
 std::array<int, 2> block_edges(char32_t glyph) {
   switch (glyph) {
-    case U'━':
-      return {0, kCellWidth};
-    case U'╸':
-      return {0, kCellWidth / 2};
-    case U'╺':
-      return {kCellWidth / 2, kCellWidth};
-    default:
-      return {0, 0};
+    case U'━': return {0, kCellWidth};
+    case U'╸': return {0, kCellWidth / 2};
+    case U'╺': return {kCellWidth / 2, kCellWidth};
+    default: return {0, 0};
   }
 }
 
 std::string escaped(char32_t glyph) {
   switch (glyph) {
-    case U'&':
-      return "&amp;";
-    case U'<':
-      return "&lt;";
-    case U'>':
-      return "&gt;";
+    case U'&': return "&amp;";
+    case U'<': return "&lt;";
+    case U'>': return "&gt;";
     default: {
       std::string text;
       append_utf8(text, glyph);

@@ -12,7 +12,9 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kStateNames = {"lost", "inferred", "observed"};
 
-Json xyz(const Eigen::Vector3f& v) { return Json::array({number(v.x()), number(v.y()), number(v.z())}); }
+Json xyz(const Eigen::Vector3f& v) {
+  return Json::array({number(v.x()), number(v.y()), number(v.z())});
+}
 
 std::optional<Eigen::Vector3f> vector_of(const Json& array) {
   if (!array.is_array() || array.size() != 3) return std::nullopt;
@@ -24,7 +26,9 @@ std::optional<Eigen::Vector3f> vector_of(const Json& array) {
   return v.allFinite() && v.norm() < 1000 ? std::optional(v) : std::nullopt;
 }
 
-std::string joined(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
+std::string joined(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "." + key;
+}
 
 std::optional<std::string> difference(const Json& here, const Json& there, const std::string& path) {
   if (here.is_object() && there.is_object()) {
@@ -96,7 +100,8 @@ Expected<RestPose> read_rest(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) return fail(path.string() + ": not a rest pose: expected a JSON object");
+  if (json.is_discarded() || !json.is_object())
+    return fail(path.string() + ": not a rest pose: expected a JSON object");
   const auto vector_at = [&](const Json& object, const std::string& key) -> Expected<Eigen::Vector3f> {
     if (object.is_object() && object.contains(key)) {
       if (const auto v = vector_of(object[key])) return *v;

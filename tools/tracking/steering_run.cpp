@@ -45,9 +45,9 @@ Expected<std::vector<SteeringFrame>> run_steering(const std::string& uri, std::s
                       .engaged = output.state == EngagementState::Engaged,
                       .true_angle_rad = known.motions.angle_rad,
                       .true_normalized = known.normalized,
-                      .truth = known.present ? truth.process(known.skeleton, (*source)->rest().frame.up,
-                                                             frame.sensor.time)
-                                             : truth.stop(),
+                      .truth = known.present
+                                   ? truth.process(known.skeleton, (*source)->rest().frame.up, frame.sensor.time)
+                                   : truth.stop(),
                       .tracked = output.navigation,
                       .dt = frame.sensor.time - last});
     last = frame.sensor.time;

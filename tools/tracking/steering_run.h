@@ -29,7 +29,7 @@ struct MotionAccuracy {
   std::size_t frames = 0;
   double median = 0;  ///< of |tracked - true|, normalised values
   double p95 = 0;
-  double slope = 0;   ///< least squares through zero of tracked on true angles, at the delay that fits best
+  double slope = 0;  ///< least squares through zero of tracked on true angles, at the delay that fits best
   int delay_frames = 0;
 };
 [[nodiscard]] MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion);

@@ -6,6 +6,9 @@
 
 namespace armature {
 
+// The lists are laid out as the body is.
+// clang-format off
+
 /// The skeleton's joints. Left is the person's own.
 enum class JointId : std::uint8_t {
   HeadTop, Head, Neck, Chest, Torso, Waist,
@@ -33,11 +36,17 @@ enum class PartLabel : std::uint8_t {
   RightClavicle, RightShoulder, RightUpperArm, RightElbow, RightForearm, RightWrist, RightHand,
   RightWaist, RightHip, RightThigh, RightKnee, RightShin, RightFoot,
 };
+// clang-format on
+
 inline constexpr int kPartCount = 31;
 inline constexpr std::uint8_t kNoPart = 255;  ///< a pixel of no person
 
-[[nodiscard]] constexpr std::size_t index(JointId joint) noexcept { return static_cast<std::size_t>(joint); }
-[[nodiscard]] constexpr std::size_t index(PartLabel part) noexcept { return static_cast<std::size_t>(part); }
+[[nodiscard]] constexpr std::size_t index(JointId joint) noexcept {
+  return static_cast<std::size_t>(joint);
+}
+[[nodiscard]] constexpr std::size_t index(PartLabel part) noexcept {
+  return static_cast<std::size_t>(part);
+}
 
 /// The parts whose visible pixels' centre of mass is the user position P: clavicles, waist and hips of both sides.
 [[nodiscard]] constexpr bool is_torso(PartLabel part) noexcept {

@@ -310,8 +310,7 @@ class SurfaceBuilder {
     const Vector3d hand = at(JointId::LeftHand);
     const Vector3d out = outward(outfit_.bag_side) * body_.chest.col(0);
     switch (outfit_.bag) {
-      case Outfit::Bag::None:
-        break;
+      case Outfit::Bag::None: break;
       case Outfit::Bag::Hand: {
         const Vector3d fore = 0.10 * s * body_.chest.col(2);
         const Vector3d top = hand + 0.16 * s * down, bottom = hand + 0.34 * s * down;

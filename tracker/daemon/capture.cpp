@@ -4,8 +4,7 @@ namespace armature {
 
 using namespace std::chrono_literals;
 
-Capture::Capture(std::unique_ptr<DepthSource> source, bool lossless)
-    : source_(std::move(source)), lossless_(lossless) {
+Capture::Capture(std::unique_ptr<DepthSource> source, bool lossless) : source_(std::move(source)), lossless_(lossless) {
   if (!lossless_) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -28,6 +27,8 @@ const DepthFrame* Capture::next(std::chrono::milliseconds timeout) {
   return status && *status == ReadStatus::Frame ? &frame_ : nullptr;
 }
 
-bool Capture::finished() const noexcept { return lossless_ ? over_ : latest_.finished(); }
+bool Capture::finished() const noexcept {
+  return lossless_ ? over_ : latest_.finished();
+}
 
 }  // namespace armature

@@ -103,8 +103,8 @@ Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   if (config.source.empty()) return fail("no source: name one with --source URI or source.uri in the configuration");
   auto model = load_model(config);
   if (!model) return tl::unexpected(model.error());
-  auto source = open_source(config.source, {.pacing = config.lossless ? Pacing::Lossless : Pacing::RealTime,
-                                            .clock = options.clock});
+  auto source = open_source(config.source,
+                            {.pacing = config.lossless ? Pacing::Lossless : Pacing::RealTime, .clock = options.clock});
   if (!source) return tl::unexpected(source.error());
   const auto clock = options.clock;
   auto publisher = wire::Publisher::bind(config.endpoint, {.now = [clock] { return clock->now(); }});
@@ -113,9 +113,9 @@ Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   if (!control) return fail(control.error().message);
   auto feed = FeedThread::start(config.endpoint);
   if (!feed) return tl::unexpected(feed.error());
-  return std::unique_ptr<Daemon>(new Daemon(std::make_unique<State>(std::move(options), std::move(*model),
-                                                                    std::move(*source), std::move(*publisher),
-                                                                    std::move(*control), std::move(*feed))));
+  return std::unique_ptr<Daemon>(
+      new Daemon(std::make_unique<State>(std::move(options), std::move(*model), std::move(*source),
+                                         std::move(*publisher), std::move(*control), std::move(*feed))));
 }
 
 Daemon::Daemon(std::unique_ptr<State> state) : state_(std::move(state)) {}

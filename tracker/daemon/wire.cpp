@@ -15,8 +15,12 @@ static_assert(wire::kStageNames == kStageNames, "the wire and the tracker number
 static_assert(static_cast<int>(wire::JointState::Observed) == static_cast<int>(JointState::Observed));
 static_assert(static_cast<int>(wire::SensorClock::HostMonotonic) == static_cast<int>(ClockId::HostMonotonic));
 
-wire::MotionId on_wire(MotionId motion) { return static_cast<wire::MotionId>(motion); }
-wire::Vec3 on_wire(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+wire::MotionId on_wire(MotionId motion) {
+  return static_cast<wire::MotionId>(motion);
+}
+wire::Vec3 on_wire(const Eigen::Vector3f& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 void fill_times(wire::FrameTimes& times, const TrackerOutput& output) noexcept {
   times.frame = output.sequence;

@@ -6,7 +6,9 @@ namespace armature {
 namespace {
 
 /// Smaller is more likely to be the one who wants to steer: near, and in front of the sensor.
-float distance_to_steering_place(const User& user) { return user.centre.z() + 2 * std::abs(user.centre.x()); }
+float distance_to_steering_place(const User& user) {
+  return user.centre.z() + 2 * std::abs(user.centre.x());
+}
 
 /// How far a user may have moved while the segmentation had her under no id or another one, metres.
 constexpr float kSamePerson = 0.4F;

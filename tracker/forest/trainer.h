@@ -18,9 +18,9 @@ namespace armature {
 /// A person with the truth about it.
 struct TrainingImage {
   Intrinsics intrinsics;
-  std::vector<std::uint16_t> depth_mm;      ///< [height][width], 0 = no return
-  std::vector<std::uint8_t> user;           ///< [height][width], not 0 where segmentation sees the user
-  std::vector<std::uint8_t> part_of_pixel;  ///< [height][width], a PartLabel, or kNoPart: bags, bits of floor
+  std::vector<std::uint16_t> depth_mm;                ///< [height][width], 0 = no return
+  std::vector<std::uint8_t> user;                     ///< [height][width], not 0 where segmentation sees the user
+  std::vector<std::uint8_t> part_of_pixel;            ///< [height][width], a PartLabel, or kNoPart: bags, bits of floor
   std::array<Eigen::Vector3f, kJointCount> joints{};  ///< metres, camera frame
 };
 

@@ -9,7 +9,14 @@ namespace armature {
 
 /// The seven motions of section 3.3.1 and rotate_bust, which merges the two rotations (section 3.6).
 enum class MotionId : std::uint8_t {
-  RotateShoulders, RotateHips, RotateBust, LeanBust, BendBust, TranslateHips, BendKnees, Step,
+  RotateShoulders,
+  RotateHips,
+  RotateBust,
+  LeanBust,
+  BendBust,
+  TranslateHips,
+  BendKnees,
+  Step,
 };
 inline constexpr int kMotionCount = 8;
 
@@ -18,7 +25,9 @@ inline constexpr std::array<std::string_view, kMotionCount> kMotionNames = {
     "rotate_shoulders", "rotate_hips", "rotate_bust", "lean_bust", "bend_bust", "translate_hips", "bend_knees", "step",
 };
 
-[[nodiscard]] constexpr std::size_t index(MotionId motion) noexcept { return static_cast<std::size_t>(motion); }
+[[nodiscard]] constexpr std::size_t index(MotionId motion) noexcept {
+  return static_cast<std::size_t>(motion);
+}
 
 /// One value a motion, in the order of MotionId.
 template <class T>

@@ -11,9 +11,9 @@ namespace armature {
 
 /// What the motion receptors put out (section 3.4.1).
 struct MotionReading {
-  float angle_rad = 0;   ///< signed, filtered
-  float normalized = 0;  ///< angle over range, in [-1, 1]
-  float confidence = 0;  ///< in [0, 1]
+  float angle_rad = 0;    ///< signed, filtered
+  float normalized = 0;   ///< angle over range, in [-1, 1]
+  float confidence = 0;   ///< in [0, 1]
   bool measured = false;  ///< false: the joints were not good enough for longer than the hold time
 };
 

@@ -7,7 +7,9 @@
 
 namespace armature {
 
-[[nodiscard]] constexpr float radians(float degrees) noexcept { return degrees * std::numbers::pi_v<float> / 180; }
+[[nodiscard]] constexpr float radians(float degrees) noexcept {
+  return degrees * std::numbers::pi_v<float> / 180;
+}
 
 /// One-Euro filter (Casiez et al. 2012): a low-pass whose cutoff rises with the speed of the signal.
 struct OneEuroOptions {
@@ -24,11 +26,11 @@ struct MotionOptions {
                                 radians(25), radians(12), radians(30), radians(30)};
   /// What a measured angle is multiplied by. The votes of a forest are means over many poses, which makes motions look
   /// smaller than they are, in proportion; `armature bench steering` measures by how much, on synthetic people.
-  /// These are of the shipped model, seeds 101 to 106; that of step is the one with the smallest 95th percentile, since a
-  /// lifted foot makes it anything but proportional.
+  /// These are of the shipped model, seeds 101 to 106; that of step is the one with the smallest 95th percentile, since
+  /// a lifted foot makes it anything but proportional.
   PerMotion<float> gain = {1.24F, 1.63F, 1.40F, 1.72F, 1.04F, 1.72F, 1.26F, 0.85F};
   OneEuroOptions filter;
-  float min_confidence = 0.15F;                 ///< below it a motion is not measured but held
+  float min_confidence = 0.15F;              ///< below it a motion is not measured but held
   std::chrono::milliseconds hold_time{150};  ///< how long it is held; afterwards it counts as zero
 };
 

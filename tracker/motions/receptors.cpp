@@ -31,13 +31,21 @@ constexpr float kStepDirectionSpan = 0.10F;
 
 /// Heading of a vector from the right to the left side, counter-clockwise seen from above.
 /// Left turning backwards is counter-clockwise: z decreases as x stays positive.
-float heading(const Vector3f& v) { return std::atan2(-v.z(), v.x()); }
+float heading(const Vector3f& v) {
+  return std::atan2(-v.z(), v.x());
+}
 
 /// Angle of an upright vector towards the person's left and towards the front.
-float towards_left(const Vector3f& v) { return std::atan2(v.x(), v.y()); }
-float towards_front(const Vector3f& v) { return std::atan2(v.z(), v.y()); }
+float towards_left(const Vector3f& v) {
+  return std::atan2(v.x(), v.y());
+}
+float towards_front(const Vector3f& v) {
+  return std::atan2(v.z(), v.y());
+}
 /// Angle of a hanging vector (from P down to a hip) towards the person's left.
-float swung_left(const Vector3f& v) { return std::atan2(v.x(), -v.y()); }
+float swung_left(const Vector3f& v) {
+  return std::atan2(v.x(), -v.y());
+}
 
 /// The joints each motion is read from. (The user position P counts through the hips it is anchored beside.)
 constexpr std::array<std::initializer_list<JointId>, kMotionCount> kNeeded = {{
@@ -108,9 +116,9 @@ MotionAngles motion_angles(const Skeleton& now, const RestPose& rest) noexcept {
   const float shoulders = out.confidence[index(MotionId::RotateShoulders)];
   const float hips = out.confidence[index(MotionId::RotateHips)];
   const float sum = shoulders + hips;
-  angle[index(MotionId::RotateBust)] = sum > 0 ? (shoulders * angle[index(MotionId::RotateShoulders)] +
-                                                  hips * angle[index(MotionId::RotateHips)]) / sum
-                                               : 0.0F;
+  angle[index(MotionId::RotateBust)] =
+      sum > 0 ? (shoulders * angle[index(MotionId::RotateShoulders)] + hips * angle[index(MotionId::RotateHips)]) / sum
+              : 0.0F;
   return out;
 }
 

@@ -11,9 +11,9 @@ namespace {
 using Eigen::Vector3f;
 
 /// The joints that motions are read from: only these have to stand still, arms may do as they like.
-constexpr std::array kSteering = {JointId::Head,         JointId::Neck,    JointId::Waist,    JointId::LeftShoulder,
-                                  JointId::RightShoulder, JointId::LeftHip, JointId::RightHip, JointId::LeftKnee,
-                                  JointId::RightKnee};
+constexpr std::array kSteering = {JointId::Head,         JointId::Neck,          JointId::Waist,
+                                  JointId::LeftShoulder, JointId::RightShoulder, JointId::LeftHip,
+                                  JointId::RightHip,     JointId::LeftKnee,      JointId::RightKnee};
 
 /// Noise of a filtered joint that the sensor and the forest leave at a distance of 1 m; it grows with the square of
 /// the distance as disparity does. Synthetic people who stand at 1.8 to 3.2 m leave 0.3 to 2 mm; this is twice that,
@@ -127,8 +127,8 @@ void RestEstimator::measure_noise(std::size_t count) noexcept {
   PerMotion<float> sum{}, square{};
   for (std::size_t age = count; age-- > 0;) {
     const MotionAngles angles = motion_angles(recent(age).skeleton, *rest_);
-    const float dt_s = age + 1 < count ? std::chrono::duration<float>(recent(age).time - recent(age + 1).time).count()
-                                       : 1.0F;
+    const float dt_s =
+        age + 1 < count ? std::chrono::duration<float>(recent(age).time - recent(age + 1).time).count() : 1.0F;
     for (std::size_t m = 0; m < kMotionCount; ++m) {
       const float angle =
           filters[m].filter(motions_.gain[m] * angles.angle_rad[m], std::max(dt_s, 1e-3F), motions_.filter);
@@ -140,8 +140,8 @@ void RestEstimator::measure_noise(std::size_t count) noexcept {
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     const float mean = sum[m] / n;
     const float seen = std::sqrt(std::max(0.0F, square[m] / n - mean * mean));
-    const float known = motions_.gain[m] * std::numbers::sqrt2_v<float> * kJointNoiseAt1m * distance_m * distance_m /
-                        kBaseline[m];
+    const float known =
+        motions_.gain[m] * std::numbers::sqrt2_v<float> * kJointNoiseAt1m * distance_m * distance_m / kBaseline[m];
     sigma_rad_[m] = std::max(seen, known);
   }
 }

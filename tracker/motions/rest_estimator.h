@@ -26,7 +26,7 @@ struct RestOptions {
   int first_frames = 10;                      ///< Auto: frames of the provisional rest. First: all of it
   float still_spread_m = 0.015F;  ///< a joint counts as still below this standard deviation at 2 m; grows with distance
   float still_drift_m = 0.010F;   ///< and below this difference between the means of both halves of the window
-  std::optional<RestPose> fixed{}; ///< Fixed: the pose
+  std::optional<RestPose> fixed{};  ///< Fixed: the pose
 };
 
 /// Watches a tracked skeleton until it knows the rest pose and, per motion, how noisy the filtered angle is there.
@@ -69,8 +69,8 @@ class RestEstimator {
   RestOptions options_;
   MotionOptions motions_;
   std::array<Sample, kWindow> window_;
-  std::size_t seen_ = 0;        // samples ever put into the window
-  int averaged_ = 0;            // frames that went into rest_
+  std::size_t seen_ = 0;  // samples ever put into the window
+  int averaged_ = 0;      // frames that went into rest_
   std::optional<RestPose> rest_;
   PerMotion<float> sigma_rad_{};
   float progress_ = 0;

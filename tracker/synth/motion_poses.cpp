@@ -106,9 +106,7 @@ void perform(MotionId motion, const Performance& performance, const BodyShape& s
       pose.twist += amount;
       pose.neck.turn -= 0.8 * amount;
       break;
-    case MotionId::RotateHips:
-      rotate_hips(amount, shape, pose);
-      break;
+    case MotionId::RotateHips: rotate_hips(amount, shape, pose); break;
     case MotionId::RotateBust:
       rotate_hips(amount, shape, pose);
       pose.twist += amount;
@@ -122,9 +120,7 @@ void perform(MotionId motion, const Performance& performance, const BodyShape& s
       pose.spine.bend += 1.2 * amount;
       pose.neck.bend -= 0.5 * amount;
       break;
-    case MotionId::TranslateHips:
-      translate_hips(amount, shape, pose);
-      break;
+    case MotionId::TranslateHips: translate_hips(amount, shape, pose); break;
     case MotionId::BendKnees:
       if (amount != 0) bend_knee(performance, shape, pose);
       break;

@@ -65,32 +65,20 @@ ArmPose habitual(Habit habit, Random& random) {
       arm.elbow_swivel = random.uniform(0.6, 1.2);
       arm.wrist_flex = 0.6;
       break;
-    case Habit::Chest:
-      about(-0.15, -0.30, 0.38, 0.07);
-      break;
+    case Habit::Chest: about(-0.15, -0.30, 0.38, 0.07); break;
     case Habit::Crossed:
       about(-0.40, -0.36, 0.30, 0.04);
       arm.elbow_swivel = random.uniform(0.1, 0.5);
       break;
-    case Habit::Face:
-      about(-0.18, 0.22, 0.38, 0.06);
-      break;
+    case Habit::Face: about(-0.18, 0.22, 0.38, 0.06); break;
     case Habit::Ear:
       about(-0.02, 0.26, 0.20, 0.04);
       arm.elbow_swivel = random.uniform(0.0, 0.8);
       break;
-    case Habit::Mug:
-      about(-0.05, -0.28, 0.52, 0.07);
-      break;
-    case Habit::Raised:
-      about(0.15, 0.92, 0.12, 0.12);
-      break;
-    case Habit::Ahead:
-      about(-0.05, 0.0, 0.93, 0.12);
-      break;
-    case Habit::Sideways:
-      about(0.95, 0.0, 0.1, 0.12);
-      break;
+    case Habit::Mug: about(-0.05, -0.28, 0.52, 0.07); break;
+    case Habit::Raised: about(0.15, 0.92, 0.12, 0.12); break;
+    case Habit::Ahead: about(-0.05, 0.0, 0.93, 0.12); break;
+    case Habit::Sideways: about(0.95, 0.0, 0.1, 0.12); break;
     case Habit::Pocket:
       about(0.08, -0.85, 0.05, 0.03);
       arm.elbow_swivel = random.uniform(0.2, 0.8);
@@ -246,11 +234,8 @@ RandomPose random_pose(const Person& person, Activity activity, Random& random) 
   pose.neck = {0.35 * random.normal(), 0.18 * random.normal(), 0.10 * random.normal()};
   bool arms_done = false;
   switch (activity) {
-    case Activity::Stand:
-      break;
-    case Activity::Steer:
-      steer(shape, random, pose);
-      break;
+    case Activity::Stand: break;
+    case Activity::Steer: steer(shape, random, pose); break;
     case Activity::Walk:
       walk(random.unit(), random.chance(0.3) ? 0.0 : random.uniform(0.2, 0.75), random.uniform(0.05, 0.35),
            random.uniform(0, 0.4), pose);
@@ -263,15 +248,9 @@ RandomPose random_pose(const Person& person, Activity activity, Random& random) 
       }
       arms_done = random.chance(0.8);
       break;
-    case Activity::Lunge:
-      lunge(shape, random, pose);
-      break;
-    case Activity::Squat:
-      squat(shape, random, pose);
-      break;
-    case Activity::Sit:
-      out.seat_height = sit(shape, random, pose);
-      break;
+    case Activity::Lunge: lunge(shape, random, pose); break;
+    case Activity::Squat: squat(shape, random, pose); break;
+    case Activity::Sit: out.seat_height = sit(shape, random, pose); break;
     case Activity::Reach:
       pose.spine.bend += random.uniform(-0.2, 0.9);
       pose.spine.turn += random.uniform(-0.6, 0.6);

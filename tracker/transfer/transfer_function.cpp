@@ -10,7 +10,9 @@ float transfer(float x, float alpha, float beta) noexcept {
   return std::pow((std::min(x, 1.0F) - alpha) / (1 - alpha), beta);
 }
 
-float dead_zone(float alpha, float sigma_normalized) noexcept { return std::max(alpha, 4 * sigma_normalized); }
+float dead_zone(float alpha, float sigma_normalized) noexcept {
+  return std::max(alpha, 4 * sigma_normalized);
+}
 
 float ShapedMotion::shape(float value, float zone, float beta) noexcept {
   constexpr float kHysteresis = 0.7F;

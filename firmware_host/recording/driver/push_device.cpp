@@ -56,18 +56,13 @@ class PushStream final : public oni::driver::StreamBase {
   }
   OniStatus getProperty(int id, void* data, int* size) override {
     switch (id) {
-      case ONI_STREAM_PROPERTY_VIDEO_MODE:
-        return give(mode_.video, data, size);
+      case ONI_STREAM_PROPERTY_VIDEO_MODE: return give(mode_.video, data, size);
       case ONI_STREAM_PROPERTY_CROPPING:  // without it the player drops every image of the recording
         return give(OniCropping{}, data, size);
-      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
-        return give(mode_.horizontal_fov_rad, data, size);
-      case ONI_STREAM_PROPERTY_VERTICAL_FOV:
-        return give(mode_.vertical_fov_rad, data, size);
-      case ONI_STREAM_PROPERTY_MAX_VALUE:
-        return give(kMaxDepth, data, size);
-      default:
-        return ONI_STATUS_NOT_SUPPORTED;
+      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV: return give(mode_.horizontal_fov_rad, data, size);
+      case ONI_STREAM_PROPERTY_VERTICAL_FOV: return give(mode_.vertical_fov_rad, data, size);
+      case ONI_STREAM_PROPERTY_MAX_VALUE: return give(kMaxDepth, data, size);
+      default: return ONI_STATUS_NOT_SUPPORTED;
     }
   }
 

@@ -9,7 +9,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-User at(std::uint8_t id, float x, float z) { return {.id = id, .pixel_count = 5000, .centre = {x, 0, z}}; }
+User at(std::uint8_t id, float x, float z) {
+  return {.id = id, .pixel_count = 5000, .centre = {x, 0, z}};
+}
 
 TEST(Engagement, GoesFromAbsentOverCalibratingToEngaged) {
   Engagement engagement{{}};

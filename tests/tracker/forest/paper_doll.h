@@ -39,20 +39,13 @@ struct PaperDoll {
 [[nodiscard]] inline Eigen::Vector3f paper_joint(const PaperDoll& doll, JointId joint) {
   const auto at = [&](float x, float y) { return Eigen::Vector3f(doll.x_m + x, doll.top_m + y, doll.z_m + 0.05F); };
   switch (joint) {
-    case JointId::Head:
-      return at(0, 0.12F);
-    case JointId::Neck:
-      return at(0, 0.3F);
-    case JointId::LeftThigh:
-      return at(0.12F, 1.05F);
-    case JointId::RightThigh:
-      return at(-0.12F, 1.05F);
-    case JointId::LeftFoot:
-      return at(0.12F, 1.5F);
-    case JointId::RightFoot:
-      return at(-0.12F, 1.5F);
-    default:
-      return at(0, 0.55F);
+    case JointId::Head: return at(0, 0.12F);
+    case JointId::Neck: return at(0, 0.3F);
+    case JointId::LeftThigh: return at(0.12F, 1.05F);
+    case JointId::RightThigh: return at(-0.12F, 1.05F);
+    case JointId::LeftFoot: return at(0.12F, 1.5F);
+    case JointId::RightFoot: return at(-0.12F, 1.5F);
+    default: return at(0, 0.55F);
   }
 }
 

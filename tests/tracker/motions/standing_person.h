@@ -18,7 +18,9 @@ inline Skeleton standing_person() {
   put(HeadTop, 0, -0.80F, 0), put(Head, 0, -0.70F, 0), put(Neck, 0, -0.55F, 0), put(Chest, 0, -0.40F, 0);
   put(Torso, 0, -0.20F, 0), put(Waist, 0, -0.05F, 0);
   for (const float side : {1.0F, -1.0F}) {
-    const auto put_side = [&](JointId left, float x, float y) { put(side > 0 ? left : mirrored(left), side * x, y, 0); };
+    const auto put_side = [&](JointId left, float x, float y) {
+      put(side > 0 ? left : mirrored(left), side * x, y, 0);
+    };
     put_side(LeftCollar, 0.08F, -0.52F), put_side(LeftShoulder, 0.18F, -0.50F), put_side(LeftUpperArm, 0.20F, -0.35F);
     put_side(LeftElbow, 0.22F, -0.20F), put_side(LeftForearm, 0.22F, -0.08F), put_side(LeftWrist, 0.22F, 0.03F);
     put_side(LeftHand, 0.22F, 0.10F), put_side(LeftHip, 0.11F, 0.05F), put_side(LeftThigh, 0.12F, 0.27F);

@@ -39,7 +39,8 @@ TEST(ShapedMotion, DoesNotSteerWhereNoiseAsksForTooWideADeadZone) {
 }
 
 TEST(Actuator, LimitsAccelerationButNeitherSlowingDownNorStopping) {
-  Actuator actuator({.max_walk_m_s = 1, .max_turn_rad_s = 1, .walk_acceleration_m_s2 = 2, .turn_acceleration_rad_s2 = 4});
+  Actuator actuator(
+      {.max_walk_m_s = 1, .max_turn_rad_s = 1, .walk_acceleration_m_s2 = 2, .turn_acceleration_rad_s2 = 4});
   EXPECT_NEAR(actuator.drive(1, 0, 100ms).linear_m_s, 0.2F, 1e-6F);
   EXPECT_NEAR(actuator.drive(1, -1, 100ms).linear_m_s, 0.4F, 1e-6F);
   EXPECT_NEAR(actuator.drive(1, -1, 100ms).angular_rad_s, -0.8F, 1e-6F);
