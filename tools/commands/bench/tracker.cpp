@@ -8,11 +8,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "tools/commands/commands.h"
+#include "tools/commands/bench/bench.h"
 #include "tools/interrupt.h"
 #include "tools/progress.h"
 #include "tools/tracking/frame_json.h"
-#include "tools/tracking/steering_run.h"
 #include "tools/tracking/tracker_setup.h"
 #include "tracker/daemon/wire.h"
 #include "tracker/synth/open_source.h"
@@ -151,65 +150,11 @@ Expected<void> bench_tracker(const BenchOptions& options) {
   return {};
 }
 
-struct SteeringOptions {
-  std::string config_file, model, size = "320x240";
-  std::vector<int> seeds = {101, 102, 103};
-  bool json = false;
-};
-
-/// Accuracy on synthetic people: each of the seven scripts that perform one motion alone.
-Expected<void> bench_steering(const SteeringOptions& options) {
-  auto config = read_setup({.config_file = options.config_file, .model = options.model});
-  if (!config) return tl::unexpected(config.error());
-  auto forest = load_forest(*config);
-  if (!forest) return tl::unexpected(forest.error());
-  Interrupt interrupt;
-  ProgressBar bar(
-      {.title = "steering", .total = static_cast<double>(kMotionCount * options.seeds.size()), .unit = "runs"});
-  if (!options.json) {
-    std::printf(
-        "%s\n",
-        fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>7}", "motion", "median", "p95", "slope", "gain", "delay").c_str());
-  }
-  for (std::size_t m = 0; m < kMotionCount && !interrupt.requested(); ++m) {
-    const MotionId motion = static_cast<MotionId>(m);
-    if (motion == MotionId::RotateBust) continue;
-    std::vector<std::vector<SteeringFrame>> runs;
-    for (const int seed : options.seeds) {
-      auto run = run_steering(fmt::format("{}?size={}&seed={}", kMotionNames[m], options.size, seed), *forest,
-                              config->tracker);
-      if (!run) return tl::unexpected(run.error());
-      runs.push_back(std::move(*run));
-      bar.update(static_cast<double>(m * options.seeds.size() + runs.size()) /
-                 static_cast<double>(kMotionCount * options.seeds.size()));
-    }
-    const MotionAccuracy accuracy = motion_accuracy(runs, motion);
-    const double gain = static_cast<double>(config->tracker.navigation.motions.gain[m]) / accuracy.slope;
-    if (options.json) {
-      auto written = write_json_line(stdout, {{"motion", kMotionNames[m]},
-                                              {"frames", accuracy.frames},
-                                              {"error_median", number(accuracy.median)},
-                                              {"error_p95", number(accuracy.p95)},
-                                              {"slope", number(accuracy.slope)},
-                                              {"gain", number(gain)},
-                                              {"delay_frames", accuracy.delay_frames}});
-      if (!written) return written;
-    } else {
-      std::printf("%s\n", fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8.2f}{:>7}", kMotionNames[m], accuracy.median,
-                                      accuracy.p95, accuracy.slope, gain, accuracy.delay_frames)
-                              .c_str());
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
-void add_bench(CLI::App& app, Run& run) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure speed on this machine, as percentiles.");
-  bench->require_subcommand(1);
+void add_bench_tracker(CLI::App& bench, Run& run) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* tracker = bench->add_subcommand(
+  CLI::App* tracker = bench.add_subcommand(
       "tracker", "From a frame received to its message handed to the socket, on one core, and each stage of it.");
   tracker->add_option("--source", options->source, "oni:FILE, fakenect:DIR or synth:NAME; read into memory first")
       ->type_name("URI")
@@ -223,20 +168,6 @@ void add_bench(CLI::App& app, Run& run) {
       "Machines are noisy: compare percentiles of one run, or run both sides in turns.\n\n"
       "Example:\n  armature bench tracker --source 'synth:demo?size=640x480' --json");
   tracker->callback([options, &run] { run = [options] { return bench_tracker(*options); }; });
-
-  auto steering_options = std::make_shared<SteeringOptions>();
-  CLI::App* steering = bench->add_subcommand(
-      "steering",
-      "How right each motion comes out, on synthetic people: error of the normalised value, slope of the "
-      "measured angle over the true one, and the gain that would make that slope 1.");
-  steering->add_option("--config", steering_options->config_file, "the daemon's TOML file")->type_name("FILE");
-  steering->add_option("--model", steering_options->model, "a forest other than the installed one")->type_name("FILE");
-  steering->add_option("--size", steering_options->size, "of the images")->type_name("WxH")->capture_default_str();
-  steering->add_option("--seeds", steering_options->seeds, "people")->delimiter(',')->capture_default_str();
-  steering->add_flag("--json", steering_options->json, "one JSON object a motion");
-  steering->footer("Example:\n  armature bench steering --seeds 101,102,103");
-  steering->callback(
-      [steering_options, &run] { run = [steering_options] { return bench_steering(*steering_options); }; });
 }
 
 }  // namespace armature::tools

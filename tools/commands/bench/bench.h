@@ -1,0 +1,11 @@
+#pragma once
+
+#include "tools/commands/commands.h"
+
+namespace armature::tools {
+
+// Each adds one subcommand to `armature bench`. One source file a benchmark.
+void add_bench_steering(CLI::App& bench, Run& run);
+void add_bench_tracker(CLI::App& bench, Run& run);
+
+}  // namespace armature::tools
