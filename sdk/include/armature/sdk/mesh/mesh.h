@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-
 #include <armature/sdk/mesh/ids.h>
 
 namespace armature::sdk {
@@ -21,10 +20,10 @@ using Colour = std::array<std::uint8_t, 3>;
 /// out: `analyse()` tells. What every function here relies on: corners name positions, and positions are finite; the
 /// readers guarantee it, `validate()` checks it.
 struct Mesh {
-  std::vector<Eigen::Vector3d> positions;  ///< by VertexId
-  std::vector<Triangle> triangles;         ///< by FaceId
-  std::vector<Colour> vertex_colours;      ///< by VertexId, or empty
-  std::vector<Colour> face_colours;        ///< by FaceId, or empty
+  std::vector<Eigen::Vector3d> positions = {};  ///< by VertexId
+  std::vector<Triangle> triangles = {};         ///< by FaceId
+  std::vector<Colour> vertex_colours;           ///< by VertexId, or empty
+  std::vector<Colour> face_colours;             ///< by FaceId, or empty
 
   [[nodiscard]] const Eigen::Vector3d& position(VertexId vertex) const noexcept { return positions[vertex.index()]; }
   [[nodiscard]] const Triangle& triangle(FaceId face) const noexcept { return triangles[face.index()]; }
