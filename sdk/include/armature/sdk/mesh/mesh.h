@@ -22,8 +22,8 @@ using Colour = std::array<std::uint8_t, 3>;
 struct Mesh {
   std::vector<Eigen::Vector3d> positions = {};  ///< by VertexId
   std::vector<Triangle> triangles = {};         ///< by FaceId
-  std::vector<Colour> vertex_colours;           ///< by VertexId, or empty
-  std::vector<Colour> face_colours;             ///< by FaceId, or empty
+  std::vector<Colour> vertex_colours = {};      ///< by VertexId, or empty
+  std::vector<Colour> face_colours = {};        ///< by FaceId, or empty
 
   [[nodiscard]] const Eigen::Vector3d& position(VertexId vertex) const noexcept { return positions[vertex.index()]; }
   [[nodiscard]] const Triangle& triangle(FaceId face) const noexcept { return triangles[face.index()]; }
