@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/io/mesh_format.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/task.h>
+
+namespace armature::sdk {
+
+/// How a mesh is to be read.
+struct ReadOptions {
+  std::optional<MeshFormat> format = {};  ///< by the file's extension where empty
+};
+
+/// Reads a triangle mesh from a file. Vertices keep their order, faces theirs; a polygon becomes consecutive triangles
+/// (see `triangulate_polygon()`). Numbers become the doubles nearest to them. Non-manifold, open, degenerate,
+/// duplicated and inside-out meshes are read as they are. A file that is truncated, corrupt, without a face, or has an
+/// index out of range or a coordinate that is not finite is refused with its name, the line or byte, and what was
+/// expected.
+[[nodiscard]] Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {},
+                                       const Task& task = {});
+
+/// The same for the bytes of a file of that format. `name` stands for the file in messages. Never reads another file.
+[[nodiscard]] Expected<Mesh> parse_mesh(std::string_view bytes, MeshFormat format, std::string_view name,
+                                        const Task& task = {});
+
+}  // namespace armature::sdk

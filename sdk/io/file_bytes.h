@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <armature/sdk/error.h>
+
+namespace armature::sdk {
+
+/// A file as one string. The path stands before the reason of a failure.
+[[nodiscard]] Expected<std::string> read_file_bytes(const std::filesystem::path& path);
+
+/// Writes a whole file under a temporary name beside it and renames it when complete.
+[[nodiscard]] Expected<void> write_file_bytes(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace armature::sdk

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/task.h>
+
+namespace armature::sdk {
+
+// One parser a format, one source file a parser. Each takes the bytes of a whole file; `name` stands for it in
+// messages.
+[[nodiscard]] Expected<Mesh> parse_obj(std::string_view text, std::string_view name, const Task& task);
+[[nodiscard]] Expected<Mesh> parse_off(std::string_view text, std::string_view name, const Task& task);
+
+}  // namespace armature::sdk

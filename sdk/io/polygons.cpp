@@ -1,0 +1,45 @@
+#include "sdk/io/polygons.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <armature/sdk/mesh/triangulate.h>
+
+#include "sdk/io/text_scanner.h"
+
+namespace armature::sdk {
+
+Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task& task) {
+  std::size_t triangles = 0;
+  for (const std::uint32_t count : polygons.counts) triangles += count - 2;
+  if (triangles == 0) return fail(std::string(name) + ": expected at least one face; it has none");
+  if (triangles > kMostElements) return fail(std::string(name) + ": expected fewer than 2^32 - 1 triangles");
+
+  Mesh mesh;
+  mesh.positions = std::move(polygons.positions);
+  mesh.vertex_colours = std::move(polygons.vertex_colours);
+  mesh.triangles.reserve(triangles);
+  const bool coloured = !polygons.polygon_colours.empty();
+  if (coloured) mesh.face_colours.reserve(triangles);
+  std::span<const VertexId> corners = polygons.corners;
+  ReadingPace pace(task);
+  for (std::size_t i = 0; i < polygons.counts.size(); ++i) {
+    if (pace.stopped(i, polygons.counts.size())) return cancelled();
+    const std::size_t count = polygons.counts[i];
+    triangulate_polygon(corners.first(count), mesh.positions, mesh.triangles);
+    corners = corners.subspan(count);
+    if (coloured) mesh.face_colours.resize(mesh.triangles.size(), polygons.polygon_colours[i]);
+  }
+  return mesh;
+}
+
+Colour colour_of_fractions(double red, double green, double blue) noexcept {
+  const auto byte = [](double fraction) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0, 1.0)));
+  };
+  return {byte(red), byte(green), byte(blue)};
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/task.h>
+
+namespace armature::sdk {
+
+/// The most corners a polygon may have: ear clipping takes time quadratic in them.
+inline constexpr std::size_t kMostCorners = 10'000;
+/// The most vertices or triangles a mesh may have: ids have 32 bits, and one of them names none.
+inline constexpr std::size_t kMostElements = 0xFFFF'FFFE;
+
+/// A mesh as a file has it: faces with any number of corners.
+struct Polygons {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<VertexId> corners;      ///< of all polygons, one after the other
+  std::vector<std::uint32_t> counts;  ///< by polygon: how many corners, 3 to kMostCorners
+  std::vector<Colour> vertex_colours;
+  std::vector<Colour> polygon_colours;
+};
+
+/// The polygons as triangles. Every corner names a position. `name` stands for the file in messages. Fails on a file
+/// without a face and when asked to stop.
+[[nodiscard]] Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task& task);
+
+/// A colour out of numbers of [0, 1].
+[[nodiscard]] Colour colour_of_fractions(double red, double green, double blue) noexcept;
+
+}  // namespace armature::sdk

@@ -1,0 +1,42 @@
+#include <cctype>
+#include <string>
+
+#include <armature/sdk/io/read_mesh.h>
+
+#include "sdk/io/file_bytes.h"
+#include "sdk/io/mesh_parsers.h"
+
+namespace armature::sdk {
+
+MeshFormat mesh_format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".off") return MeshFormat::Off;
+  if (extension == ".obj") return MeshFormat::Obj;
+  if (extension == ".ply") return MeshFormat::Ply;
+  if (extension == ".stl") return MeshFormat::Stl;
+  return MeshFormat::Other;
+}
+
+Expected<Mesh> parse_mesh(std::string_view bytes, MeshFormat format, std::string_view name, const Task& task) {
+  switch (format) {
+    case MeshFormat::Off: return parse_off(bytes, name, task);
+    case MeshFormat::Obj: return parse_obj(bytes, name, task);
+    case MeshFormat::Ply:
+    case MeshFormat::Stl:
+    case MeshFormat::Other: break;
+  }
+  return fail(std::string(name) + ": expected a mesh as OFF or OBJ");
+}
+
+Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options, const Task& task) {
+  if (task.stopped()) return cancelled();
+  task.report("reading", 0);
+  const auto bytes = read_file_bytes(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto mesh = parse_mesh(*bytes, options.format.value_or(mesh_format_of(path)), path.string(), task);
+  if (mesh) task.report("reading", 1);
+  return mesh;
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,183 @@
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+
+#include <armature/sdk/io/write_mesh.h>
+
+#include "sdk/io/file_bytes.h"
+
+namespace armature::sdk {
+namespace {
+
+template <class Number>
+void append_number(std::string& out, Number number) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
+  out.append(text.data(), end);
+}
+
+/// Words of one line, a blank between them.
+template <class... Numbers>
+void append_line(std::string& out, Numbers... numbers) {
+  ((append_number(out, numbers), out += ' '), ...);
+  out.back() = '\n';
+}
+
+template <class Number>
+void append_binary(std::string& out, Number number) {
+  std::array<char, sizeof(Number)> bytes{};
+  std::memcpy(bytes.data(), &number, sizeof(Number));
+  static_assert(std::endian::native == std::endian::little, "the bytes would have to be swapped");
+  out.append(bytes.data(), bytes.size());
+}
+
+/// Tells a task of a long writing, and of its share of it: vertices first, then faces.
+class WritingPace {
+ public:
+  WritingPace(const Task& task, const Mesh& mesh) : task_(task), all_(mesh.positions.size() + mesh.triangles.size()) {}
+
+  [[nodiscard]] bool stopped() {
+    if (++done_ % kEvery != 0) return false;
+    task_.report("writing", static_cast<double>(done_) / static_cast<double>(all_));
+    return task_.stopped();
+  }
+
+ private:
+  static constexpr std::size_t kEvery = 16384;
+  const Task& task_;
+  std::size_t done_ = 0;
+  std::size_t all_;
+};
+
+Expected<std::string> encode_obj(const Mesh& mesh, const Task& task) {
+  std::string out;
+  WritingPace pace(task, mesh);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (pace.stopped()) return cancelled();
+    const Eigen::Vector3d& p = mesh.positions[i];
+    out += "v ";
+    if (mesh.vertex_colours.empty()) {
+      append_line(out, p.x(), p.y(), p.z());
+    } else {
+      const Colour& c = mesh.vertex_colours[i];
+      append_line(out, p.x(), p.y(), p.z(), c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
+    }
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    if (pace.stopped()) return cancelled();
+    out += "f ";
+    append_line(out, triangle[0].index() + 1, triangle[1].index() + 1, triangle[2].index() + 1);
+  }
+  return out;
+}
+
+Expected<std::string> encode_off(const Mesh& mesh, const Task& task) {
+  std::string out = mesh.vertex_colours.empty() ? "OFF\n" : "COFF\n";
+  append_line(out, mesh.positions.size(), mesh.triangles.size(), 0);
+  WritingPace pace(task, mesh);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (pace.stopped()) return cancelled();
+    const Eigen::Vector3d& p = mesh.positions[i];
+    if (mesh.vertex_colours.empty()) {
+      append_line(out, p.x(), p.y(), p.z());
+    } else {
+      const auto& [red, green, blue] = mesh.vertex_colours[i];
+      append_line(out, p.x(), p.y(), p.z(), int{red}, int{green}, int{blue}, 255);
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (pace.stopped()) return cancelled();
+    const auto& [a, b, c] = mesh.triangles[i];
+    if (mesh.face_colours.empty()) {
+      append_line(out, 3, a.index(), b.index(), c.index());
+    } else {
+      const auto& [red, green, blue] = mesh.face_colours[i];
+      append_line(out, 3, a.index(), b.index(), c.index(), int{red}, int{green}, int{blue});
+    }
+  }
+  return out;
+}
+
+std::string ply_header(const Mesh& mesh, bool ascii) {
+  constexpr std::string_view kColour = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string out = ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_little_endian 1.0\n";
+  out += "element vertex " + std::to_string(mesh.positions.size()) + '\n';
+  out += "property double x\nproperty double y\nproperty double z\n";
+  if (!mesh.vertex_colours.empty()) out += kColour;
+  out += "element face " + std::to_string(mesh.triangles.size()) + '\n';
+  out += "property list uchar uint vertex_indices\n";
+  if (!mesh.face_colours.empty()) out += kColour;
+  out += "end_header\n";
+  return out;
+}
+
+/// One element of a PLY file, as a line or as bytes.
+class PlyRow {
+ public:
+  PlyRow(std::string& out, bool ascii) : out_(out), ascii_(ascii) {}
+
+  template <class Number>
+  void put(Number number) {
+    if (!ascii_) return append_binary(out_, number);
+    if constexpr (sizeof(Number) == 1)
+      append_number(out_, int{number});
+    else
+      append_number(out_, number);
+    out_ += ' ';
+  }
+  void put(const Colour& colour) {
+    for (const std::uint8_t channel : colour) put(channel);
+  }
+  void end() {
+    if (ascii_) out_.back() = '\n';
+  }
+
+ private:
+  std::string& out_;
+  bool ascii_;
+};
+
+Expected<std::string> encode_ply(const Mesh& mesh, bool ascii, const Task& task) {
+  std::string out = ply_header(mesh, ascii);
+  PlyRow row(out, ascii);
+  WritingPace pace(task, mesh);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (pace.stopped()) return cancelled();
+    for (const double coordinate : mesh.positions[i]) row.put(coordinate);
+    if (!mesh.vertex_colours.empty()) row.put(mesh.vertex_colours[i]);
+    row.end();
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (pace.stopped()) return cancelled();
+    row.put(std::uint8_t{3});
+    for (const VertexId corner : mesh.triangles[i]) row.put(static_cast<std::uint32_t>(corner.index()));
+    if (!mesh.face_colours.empty()) row.put(mesh.face_colours[i]);
+    row.end();
+  }
+  return out;
+}
+
+}  // namespace
+
+Expected<std::string> encode_mesh(const Mesh& mesh, MeshFormat format, bool ascii, const Task& task) {
+  switch (format) {
+    case MeshFormat::Obj: return encode_obj(mesh, task);
+    case MeshFormat::Off: return encode_off(mesh, task);
+    case MeshFormat::Ply: return encode_ply(mesh, ascii, task);
+    case MeshFormat::Stl:
+    case MeshFormat::Other: break;
+  }
+  return fail("meshes are written as OBJ, OFF or PLY");
+}
+
+Expected<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                          const Task& task) {
+  if (task.stopped()) return cancelled();
+  const auto bytes = encode_mesh(mesh, options.format.value_or(mesh_format_of(path)), options.ascii, task);
+  if (!bytes && bytes.error().kind == ErrorKind::Cancelled) return cancelled();
+  if (!bytes) return fail(path.string() + ": expected a name that ends with .obj, .off or .ply");
+  return write_file_bytes(path, *bytes);
+}
+
+}  // namespace armature::sdk

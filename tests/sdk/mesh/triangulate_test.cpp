@@ -1,0 +1,106 @@
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <armature/sdk/mesh/triangulate.h>
+#include <gtest/gtest.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<Triangle> cut(const std::vector<Vector3d>& positions) {
+  std::vector<VertexId> corners;
+  for (std::size_t i = 0; i < positions.size(); ++i) corners.emplace_back(i);
+  std::vector<Triangle> triangles;
+  triangulate_polygon(corners, positions, triangles);
+  return triangles;
+}
+
+/// The sum of areas, each counted positive where it turns as the polygon's plane.
+double area(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& p, const Vector3d& normal) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles)
+    sum += 0.5 * (p[b.index()] - p[a.index()]).cross(p[c.index()] - p[a.index()]).dot(normal);
+  return sum;
+}
+
+double least_area(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& p, const Vector3d& normal) {
+  double least = 1e9;
+  for (const Triangle& triangle : triangles) least = std::min(least, area({triangle}, p, normal));
+  return least;
+}
+
+/// A star with `tips` tips: every other corner is concave.
+std::vector<Vector3d> star(int tips) {
+  std::vector<Vector3d> positions;
+  for (int i = 0; i < 2 * tips; ++i) {
+    const double angle = std::numbers::pi * i / tips;
+    const double radius = i % 2 == 0 ? 1.0 : 0.2;
+    positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  return positions;
+}
+
+TEST(Triangulation, CutsASquareInTwo) {
+  const std::vector<Vector3d> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const auto triangles = cut(square);
+  ASSERT_EQ(triangles.size(), 2U);
+  EXPECT_NEAR(area(triangles, square, Vector3d::UnitZ()), 1, 1e-15);
+}
+
+TEST(Triangulation, CutsAKiteAlongItsShorterDiagonal) {
+  const std::vector<Vector3d> kite = {{-5, 0, 0}, {0, -1, 0}, {5, 0, 0}, {0, 1, 0}};
+  const auto triangles = cut(kite);
+  ASSERT_EQ(triangles.size(), 2U);
+  EXPECT_NEAR(least_area(triangles, kite, Vector3d::UnitZ()), 5, 1e-12);
+  for (const Triangle& triangle : triangles)
+    EXPECT_TRUE(triangle[0] != VertexId(0) || triangle[1] != VertexId(2)) << "cut along the long one";
+}
+
+TEST(Triangulation, CutsAnArrowheadFromItsConcaveCorner) {
+  // A fan from any corner but the notch and its opposite would turn a triangle over.
+  for (std::size_t turned = 0; turned < 4; ++turned) {
+    std::vector<Vector3d> arrow = {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}};
+    std::rotate(arrow.begin(), arrow.begin() + static_cast<std::ptrdiff_t>(turned), arrow.end());
+    const auto triangles = cut(arrow);
+    ASSERT_EQ(triangles.size(), 2U);
+    EXPECT_GT(least_area(triangles, arrow, Vector3d::UnitZ()), 0.49);
+  }
+}
+
+TEST(Triangulation, CoversAStarOnceWhicheverWayItLies) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  std::vector<Vector3d> positions = star(20);
+  double expected = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    expected += 0.5 * positions[i].cross(positions[(i + 1) % positions.size()]).z();
+  }
+  for (Vector3d& p : positions) p = turn * p + Vector3d(100, -20, 3);
+  const auto triangles = cut(positions);
+  ASSERT_EQ(triangles.size(), positions.size() - 2);
+  EXPECT_NEAR(area(triangles, positions, turn.col(2)), expected, 1e-12);
+  EXPECT_GT(least_area(triangles, positions, turn.col(2)), 0);
+}
+
+TEST(Triangulation, GoesRoundAHoleThatABridgeJoins) {
+  // A square with a square hole: the bridge's two corners stand twice in the polygon.
+  const std::vector<Vector3d> positions = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
+                                           {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}};
+  const auto triangles = cut(positions);
+  ASSERT_EQ(triangles.size(), 8U);
+  EXPECT_NEAR(area(triangles, positions, Vector3d::UnitZ()), 12, 1e-12);
+  EXPECT_GE(least_area(triangles, positions, Vector3d::UnitZ()), 0);
+}
+
+TEST(Triangulation, MakesAsManyTrianglesOfWhatHasNoArea) {
+  EXPECT_EQ(cut(std::vector<Vector3d>(7, Vector3d(1, 2, 3))).size(), 5U);
+  EXPECT_EQ(cut({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}}).size(), 3U);
+  // A bow tie crosses itself.
+  EXPECT_EQ(cut({{0, 0, 0}, {2, 1, 0}, {2, 0, 0}, {0, 1, 0}}).size(), 2U);
+}
+
+}  // namespace
+}  // namespace armature::sdk
