@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
 #include <armature/sdk/error.h>
@@ -13,5 +12,7 @@ namespace armature::sdk {
 // messages.
 [[nodiscard]] Expected<Mesh> parse_obj(std::string_view text, std::string_view name, const Task& task);
 [[nodiscard]] Expected<Mesh> parse_off(std::string_view text, std::string_view name, const Task& task);
+[[nodiscard]] Expected<Mesh> parse_ply(std::string_view bytes, std::string_view name, const Task& task);
+[[nodiscard]] Expected<Mesh> parse_stl(std::string_view bytes, std::string_view name, const Task& task);
 
 }  // namespace armature::sdk

@@ -26,8 +26,6 @@ class ObjParser {
       if (auto read = statement(); !read) return tl::unexpected(read.error());
     }
     if (highest_ > polygons_.positions.size()) return out_of_range(highest_line_, static_cast<std::int64_t>(highest_));
-    // Colours are kept when every vertex has one.
-    if (polygons_.vertex_colours.size() != polygons_.positions.size()) polygons_.vertex_colours.clear();
     return triangulated(std::move(polygons_), scanner_.name(), task);
   }
 

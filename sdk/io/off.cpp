@@ -29,8 +29,6 @@ class OffParser {
       if (auto read = face(i); !read) return tl::unexpected(read.error());
     }
     if (scanner_.next_line()) return scanner_.expected("nothing behind the last face", scanner_.word());
-    if (polygons_.vertex_colours.size() != vertices_) polygons_.vertex_colours.clear();
-    if (polygons_.polygon_colours.size() != faces_) polygons_.polygon_colours.clear();
     return triangulated(std::move(polygons_), scanner_.name(), task);
   }
 

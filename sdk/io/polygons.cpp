@@ -19,9 +19,9 @@ Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task
 
   Mesh mesh;
   mesh.positions = std::move(polygons.positions);
-  mesh.vertex_colours = std::move(polygons.vertex_colours);
+  if (polygons.vertex_colours.size() == mesh.positions.size()) mesh.vertex_colours = std::move(polygons.vertex_colours);
   mesh.triangles.reserve(triangles);
-  const bool coloured = !polygons.polygon_colours.empty();
+  const bool coloured = polygons.polygon_colours.size() == polygons.counts.size();
   if (coloured) mesh.face_colours.reserve(triangles);
   std::span<const VertexId> corners = polygons.corners;
   ReadingPace pace(task);
@@ -37,7 +37,7 @@ Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task
 
 Colour colour_of_fractions(double red, double green, double blue) noexcept {
   const auto byte = [](double fraction) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0, 1.0)));
+    return fraction > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(fraction, 1.0))) : std::uint8_t{0};
   };
   return {byte(red), byte(green), byte(blue)};
 }

@@ -26,7 +26,8 @@ struct Polygons {
   std::vector<Colour> polygon_colours;
 };
 
-/// The polygons as triangles. Every corner names a position. `name` stands for the file in messages. Fails on a file
+/// The polygons as triangles. Every corner names a position. Colours are kept where all vertices, or all polygons, have
+/// one. `name` stands for the file in messages. Fails on a file
 /// without a face and when asked to stop.
 [[nodiscard]] Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task& task);
 

@@ -22,11 +22,11 @@ Expected<Mesh> parse_mesh(std::string_view bytes, MeshFormat format, std::string
   switch (format) {
     case MeshFormat::Off: return parse_off(bytes, name, task);
     case MeshFormat::Obj: return parse_obj(bytes, name, task);
-    case MeshFormat::Ply:
-    case MeshFormat::Stl:
+    case MeshFormat::Ply: return parse_ply(bytes, name, task);
+    case MeshFormat::Stl: return parse_stl(bytes, name, task);
     case MeshFormat::Other: break;
   }
-  return fail(std::string(name) + ": expected a mesh as OFF or OBJ");
+  return fail(std::string(name) + ": expected a mesh as OFF, OBJ, PLY or STL");
 }
 
 Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options, const Task& task) {

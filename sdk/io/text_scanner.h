@@ -25,8 +25,10 @@ struct TextRules {
 /// Walks a text line by line and word by word. Lines may end with LF, CR LF or CR.
 class TextScanner {
  public:
-  TextScanner(std::string_view text, std::string_view name, const TextRules& rules = {}) noexcept
-      : text_(text), name_(name), rules_(rules) {}
+  /// `first_line` is the number of the first line of `text` in its file.
+  TextScanner(std::string_view text, std::string_view name, const TextRules& rules = {},
+              std::size_t first_line = 1) noexcept
+      : text_(text), name_(name), rules_(rules), line_(first_line) {}
 
   /// Goes to the next line that holds a word, past what is left of this one. False at the end of the text.
   bool next_line() noexcept;
@@ -60,7 +62,7 @@ class TextScanner {
   std::string_view name_;
   TextRules rules_;
   std::size_t at_ = 0;
-  std::size_t line_ = 1;
+  std::size_t line_;
   bool on_line_ = false;  // next_line() has been called
 };
 

@@ -1,36 +1,10 @@
-#include <array>
-#include <bit>
-#include <charconv>
-#include <cstring>
-
 #include <armature/sdk/io/write_mesh.h>
 
+#include "sdk/io/encode.h"
 #include "sdk/io/file_bytes.h"
 
 namespace armature::sdk {
 namespace {
-
-template <class Number>
-void append_number(std::string& out, Number number) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
-  out.append(text.data(), end);
-}
-
-/// Words of one line, a blank between them.
-template <class... Numbers>
-void append_line(std::string& out, Numbers... numbers) {
-  ((append_number(out, numbers), out += ' '), ...);
-  out.back() = '\n';
-}
-
-template <class Number>
-void append_binary(std::string& out, Number number) {
-  std::array<char, sizeof(Number)> bytes{};
-  std::memcpy(bytes.data(), &number, sizeof(Number));
-  static_assert(std::endian::native == std::endian::little, "the bytes would have to be swapped");
-  out.append(bytes.data(), bytes.size());
-}
 
 /// Tells a task of a long writing, and of its share of it: vertices first, then faces.
 class WritingPace {
@@ -111,32 +85,6 @@ std::string ply_header(const Mesh& mesh, bool ascii) {
   out += "end_header\n";
   return out;
 }
-
-/// One element of a PLY file, as a line or as bytes.
-class PlyRow {
- public:
-  PlyRow(std::string& out, bool ascii) : out_(out), ascii_(ascii) {}
-
-  template <class Number>
-  void put(Number number) {
-    if (!ascii_) return append_binary(out_, number);
-    if constexpr (sizeof(Number) == 1)
-      append_number(out_, int{number});
-    else
-      append_number(out_, number);
-    out_ += ' ';
-  }
-  void put(const Colour& colour) {
-    for (const std::uint8_t channel : colour) put(channel);
-  }
-  void end() {
-    if (ascii_) out_.back() = '\n';
-  }
-
- private:
-  std::string& out_;
-  bool ascii_;
-};
 
 Expected<std::string> encode_ply(const Mesh& mesh, bool ascii, const Task& task) {
   std::string out = ply_header(mesh, ascii);
