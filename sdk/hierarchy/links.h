@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sdk/hierarchy/collapse_complex.h"
+#include "sdk/hierarchy/normalised_shape.h"
+
+namespace armature::sdk {
+
+/// Links every vertex on no triangle to a vertex near it that is on one (by label, if there are any), so that what is
+/// no part of the surface is gone first.
+[[nodiscard]] std::vector<CollapseComplex::Pair> links_of_loose_vertices(const NormalisedShape& shape,
+                                                                         std::span<const std::uint32_t> labels);
+
+/// Links regions that nothing joins, to go on with when no edge is left: all pairs, or neighbours along a curve that
+/// fills space where those would be too many. `centres` are those of `slots`.
+[[nodiscard]] std::vector<CollapseComplex::Pair> links_between_components(std::span<const std::uint32_t> slots,
+                                                                          std::span<const Eigen::Vector3d> centres);
+
+}  // namespace armature::sdk

@@ -1,0 +1,58 @@
+#include "sdk/hierarchy/sqem_metric.h"
+
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace armature::sdk {
+
+SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
+    : pivot_(options.regularise > 0 ? 0 : options.pivot),
+      quadrics_(shape.positions.size()),
+      extents_(Extents::of_cells(shape.positions, shape.triangles)) {
+  spheres_.reserve(shape.positions.size());
+  for (const auto& position : shape.positions) spheres_.push_back({position, 0});
+
+  for (const auto& triangle : shape.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = triangle[k];
+      // About the vertex, so that every plane of its cell passes through the origin.
+      const Eigen::Vector3d p = shape.positions[triangle[(k + 1) % 3]] - shape.positions[v];
+      const Eigen::Vector3d q = shape.positions[triangle[(k + 2) % 3]] - shape.positions[v];
+      const Eigen::Vector3d cross = p.cross(q);
+      const double length = cross.norm();
+      if (!(length > 0)) continue;
+      const double weight = options.weights.empty() ? 1 : options.weights[v];
+      quadrics_[v] += SphericalQuadric::of_plane(Eigen::Vector3d::Zero(), cross / length, weight * length / 6);
+      if (!(options.regularise > 0)) continue;
+      const Eigen::Vector3d centroid = (p + q) / 3;
+      for (const Eigen::Vector3d& middle : {Eigen::Vector3d(p / 2), Eigen::Vector3d(q / 2)})
+        quadrics_[v] += SphericalQuadric::of_triangle_spread({Eigen::Vector3d::Zero(), middle, centroid},
+                                                             weight * options.regularise);
+    }
+  }
+}
+
+void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
+  pinned_.resize(spheres_.size(), false);
+  pinned_[slot] = true;
+  quadrics_[slot] = quadrics_[slot].translated(spheres_[slot].centre - sphere.centre);
+  spheres_[slot] = sphere;
+}
+
+SphereFit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept {
+  const Sphere& sphere = spheres_[pinned_[a] ? a : b];
+  const Sphere seen_from_a{sphere.centre - spheres_[a].centre, sphere.radius};
+  const double cost =
+      pinned_[a] && pinned_[b] ? std::numeric_limits<double>::infinity() : std::max(quadric(seen_from_a), 0.0);
+  return {seen_from_a, cost, FitCase::Interior};
+}
+
+SphereFit SqemMetric::weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept {
+  const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
+  if (weight(a) > 0) return {{Eigen::Vector3d::Zero(), spheres_[a].radius}, 0, FitCase::AtRadius};
+  if (weight(b) > 0) return {{offset, spheres_[b].radius}, 0, FitCase::AtRadius};
+  return {{0.5 * offset, 0}, 0, FitCase::AtMidpoint};
+}
+
+}  // namespace armature::sdk

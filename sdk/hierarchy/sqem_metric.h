@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/hierarchy/radius_bound.h"
+#include "sdk/spheremesh/quadric_minimum.h"
+
+namespace armature::sdk {
+
+/// What a collapse costs by the spherical quadrics of the two regions, and the sphere that stands for their union.
+/// Every quadric is kept in coordinates about its own sphere's centre, where its terms are small: about the model's
+/// centre rounding would decide between collapses of fine meshes, and the answer would change with the model's place.
+class SqemMetric {
+ public:
+  using Placement = Sphere;
+
+  struct Options {
+    std::span<const double> weights;  ///< the importance by vertex, or empty: 1
+    double regularise = 0;            ///< eps
+    double pivot = 1e-3;              ///< see SphereDomain; not used with a regulariser
+  };
+
+  SqemMetric(const NormalisedShape& shape, const Options& options);
+
+  /// Decides the sphere of a slot once and for all, before the first fit.
+  void pin(std::uint32_t slot, const Sphere& sphere);
+
+  /// The best sphere of the union, its centre relative to that of `a`; at infinite cost if both are pinned.
+  [[nodiscard]] SphereFit fit(std::uint32_t a, std::uint32_t b) const noexcept {
+    const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
+    SphericalQuadric quadric = quadrics_[b].translated(offset);
+    quadric += quadrics_[a];
+    if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
+    if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
+    return minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_,
+                      [&] { return kRadiusPerWidth * static_cast<double>(smallest_extent(extents_[a], extents_[b])); });
+  }
+
+  void merge(std::uint32_t kept, std::uint32_t gone, const SphereFit& from_kept) noexcept {
+    SphericalQuadric quadric = quadrics_[gone].translated(spheres_[gone].centre - spheres_[kept].centre);
+    quadric += quadrics_[kept];
+    quadrics_[kept] = quadric.translated(-from_kept.sphere.centre);
+    spheres_[kept] = {spheres_[kept].centre + from_kept.sphere.centre, from_kept.sphere.radius};
+    extents_[kept] |= extents_[gone];
+    if (!pinned_.empty() && pinned_[gone]) pinned_[kept] = true;
+  }
+
+  [[nodiscard]] const Sphere& placement(std::uint32_t slot) const noexcept { return spheres_[slot]; }
+  [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept { return spheres_[slot].centre; }
+
+ private:
+  /// 2 R = 3/2 W.
+  static constexpr double kRadiusPerWidth = 0.75;
+
+  [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return quadrics_[slot].a[9]; }
+  [[nodiscard]] SphereFit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
+  /// A region without area joins another for nothing and changes nothing.
+  [[nodiscard]] SphereFit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
+
+  double pivot_;
+  std::vector<SphericalQuadric> quadrics_;
+  std::vector<Sphere> spheres_;
+  std::vector<Extents> extents_;
+  std::vector<bool> pinned_;  // by slot; empty if none is
+};
+
+}  // namespace armature::sdk

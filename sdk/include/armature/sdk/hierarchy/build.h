@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/hierarchy/hierarchy.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/task.h>
+
+namespace armature::sdk {
+
+/// A vertex whose sphere the user has decided. Collapses draw others into it and leave it as it is; two of them are
+/// never joined.
+struct PinnedSphere {
+  VertexId vertex;
+  std::optional<Sphere> sphere = {};  ///< in the model's coordinates; the vertex itself if it is left out
+};
+
+/// How a mesh is decimated (thesis, sections 4.4 to 4.6).
+struct HierarchyOptions {
+  /// sigma of section 4.6.6: how much more curved places count. 0 fits, 1 (the thesis's) abstracts.
+  double importance = 0;
+  /// Weights by vertex instead of `importance`: positive. Empty, or one a vertex.
+  std::vector<double> weights = {};
+  /// The integral over the region of so much times |q - x|^2 is added to its error, in units of the bounding box's
+  /// diagonal: it decides where the planes leave a sphere free to slide. 0 is the thesis's method.
+  double regularise = 1e-4;
+  /// Vertices nearer than so much of the bounding box's diagonal may be joined through the solid, although no edge
+  /// joins them (section 4.6.5). 0: none.
+  double enrichment = 0;
+  /// Collapses that turn a triangle over come last.
+  bool penalise_flips = true;
+  /// Only collapses that keep the topology of the complex; the hierarchy ends where there are none left.
+  bool keep_topology = false;
+  /// A painted label by vertex; vertices with different labels are never joined. Empty, or one a vertex.
+  std::vector<std::uint32_t> labels = {};
+  std::vector<PinnedSphere> pinned = {};  ///< each vertex once
+  /// The coarsest level that is wanted.
+  std::size_t stop_at = 1;
+
+  /// The settings of the thesis's results.
+  [[nodiscard]] static HierarchyOptions paper() { return {.importance = 1, .regularise = 0}; }
+};
+
+/// What a build took.
+struct BuildStatistics {
+  double init_ms = 0;      ///< topology, quadrics, the first queue
+  double decimate_ms = 0;  ///< all collapses
+  std::size_t collapses = 0;
+};
+
+/// A hierarchy and what it took.
+struct HierarchyBuild {
+  Hierarchy hierarchy;
+  BuildStatistics statistics;
+};
+
+/// Decimates a mesh by the spherical quadric error down to one sphere a component, then joins the components by the
+/// same measure until one is left: the complete hierarchy, unless `stop_at`, `keep_topology`, labels or pins end it
+/// before. Any mesh will do: non-manifold, open, degenerate, inside out (turned outward for the computation, component
+/// by component, where nothing encloses it). A vertex on no triangle is a sphere of radius 0. Deterministic. Fails for
+/// options out of range and meshes without vertices.
+[[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
+                                                       const Task& task = {});
+
+}  // namespace armature::sdk

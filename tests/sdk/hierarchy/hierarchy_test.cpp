@@ -1,0 +1,163 @@
+#include <filesystem>
+
+#include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/hierarchy/hierarchy.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <gtest/gtest.h>
+
+#include "tests/sdk/hierarchy/shapes.h"
+
+namespace armature::sdk {
+namespace {
+
+Hierarchy hierarchy_of(const Mesh& mesh, const HierarchyOptions& options = {}) {
+  auto build = build_hierarchy(mesh, options);
+  EXPECT_TRUE(build.has_value()) << (build ? "" : build.error().message);
+  return build ? std::move(build->hierarchy) : Hierarchy();
+}
+
+TEST(Hierarchy, BeginsAtTheMeshAndEndsAtOneSphere) {
+  const auto mesh = ball(3);
+  const auto hierarchy = hierarchy_of(mesh);
+  EXPECT_EQ(hierarchy.min_spheres(), 1U);
+  const auto finest = hierarchy.level(mesh.positions.size());
+  ASSERT_TRUE(finest);
+  EXPECT_EQ(finest->triangles.size(), mesh.triangles.size());
+  EXPECT_TRUE(finest->edges.empty());
+  const auto last = hierarchy.level(1);
+  ASSERT_TRUE(last);
+  EXPECT_NEAR(last->spheres[0].radius, 1, 0.02);
+  EXPECT_NEAR(last->spheres[0].centre.norm(), 0, 0.02);
+}
+
+TEST(Hierarchy, SphereStandsForTheVerticesOfItsChildren) {
+  const auto mesh = ball(2);
+  const auto hierarchy = hierarchy_of(mesh);
+  std::vector<int> seen(mesh.positions.size(), 0);
+  for (const auto node : hierarchy.nodes_of_level(7))
+    for (const auto vertex : hierarchy.vertices(node)) ++seen[vertex.index()];
+  for (const int count : seen) EXPECT_EQ(count, 1);
+  const NodeId root(hierarchy.node_count() - 1);
+  const auto [a, b] = hierarchy.children(root);
+  EXPECT_EQ(hierarchy.vertices(a).size() + hierarchy.vertices(b).size(), mesh.positions.size());
+  EXPECT_EQ(hierarchy.parent(a), root);
+  EXPECT_FALSE(hierarchy.parent(root).valid());
+}
+
+TEST(Hierarchy, LevelIsTheImageOfTheInput) {
+  for (const auto& mesh : {ball(2), two_balls(2), soup(30)}) {
+    const auto hierarchy = hierarchy_of(mesh);
+    for (std::size_t n = mesh.positions.size(); n >= 1; n -= n > 60 ? 11 : 1) {
+      const auto level = hierarchy.level(n);
+      ASSERT_TRUE(level);
+      const auto cut = hierarchy.cut(hierarchy.nodes_of_level(n));
+      EXPECT_EQ(level->spheres.size(), n);
+      EXPECT_EQ(level->triangles, cut.triangles) << n;
+      EXPECT_EQ(level->edges, cut.edges) << n;
+    }
+  }
+}
+
+TEST(Hierarchy, RefusesALevelItDoesNotHave) {
+  const auto hierarchy = hierarchy_of(ball(1));
+  EXPECT_FALSE(hierarchy.level(0));
+  ASSERT_FALSE(hierarchy.level(19));
+  EXPECT_EQ(hierarchy.level(19).error().message, "hierarchy: expected 1 to 18 spheres, found 19");
+}
+
+TEST(Build, JoinsComponentsOnceEachIsASphere) {
+  const auto hierarchy = hierarchy_of(two_balls(2));
+  const auto two = hierarchy.level(2);
+  ASSERT_TRUE(two);
+  for (const auto& sphere : two->spheres) EXPECT_NEAR(sphere.radius, 1, 0.05);
+  EXPECT_TRUE(two->edges.empty());
+  EXPECT_TRUE(hierarchy.level(1));
+}
+
+TEST(Build, TurnsAnInsideOutMeshOutward) {
+  auto mesh = ball(2);
+  for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_NEAR(hierarchy_of(mesh).level(1)->spheres[0].radius, 1, 0.05);
+}
+
+TEST(Build, AbsorbsVerticesOnNoTriangleFirst) {
+  auto mesh = ball(2);
+  const std::size_t surface = mesh.positions.size();
+  for (int k = 0; k < 20; ++k) mesh.positions.emplace_back(0.1 * k - 1, 0.9, 0.2);
+  const auto hierarchy = hierarchy_of(mesh);
+  const auto level = hierarchy.level(surface);
+  ASSERT_TRUE(level);
+  EXPECT_EQ(level->triangles.size(), mesh.triangles.size());
+}
+
+TEST(Build, KeepsPinnedSpheresAndNeverJoinsTwo) {
+  const auto mesh = ball(3);
+  HierarchyOptions options;
+  options.pinned = {{VertexId(3), Sphere{{0.5, 0, 0}, 0.25}}, {VertexId(100)}};
+  const auto hierarchy = hierarchy_of(mesh, options);
+  EXPECT_EQ(hierarchy.min_spheres(), 2U);
+  const auto last = hierarchy.level(2);
+  ASSERT_TRUE(last);
+  const bool first = last->spheres[0].radius > 0;
+  EXPECT_NEAR(last->spheres[first ? 0 : 1].radius, 0.25, 1e-6);
+  EXPECT_NEAR((last->spheres[first ? 1 : 0].centre - mesh.positions[100]).norm(), 0, 1e-6);
+}
+
+TEST(Build, NeverJoinsAcrossLabels) {
+  const auto mesh = ball(3);
+  HierarchyOptions options;
+  for (const auto& p : mesh.positions) options.labels.push_back(p.z() > 0.3 ? 1 : 0);
+  const auto hierarchy = hierarchy_of(mesh, options);
+  EXPECT_EQ(hierarchy.min_spheres(), 2U);
+  for (const auto node : hierarchy.nodes_of_level(2)) {
+    const auto vertices = hierarchy.vertices(node);
+    for (const auto vertex : vertices) EXPECT_EQ(options.labels[vertex.index()], options.labels[vertices[0].index()]);
+  }
+}
+
+TEST(Build, KeepsTheTopologyWhenAsked) {
+  const auto hierarchy = hierarchy_of(ball(3), {.keep_topology = true});
+  const auto coarsest = hierarchy.level(hierarchy.min_spheres());
+  ASSERT_TRUE(coarsest);
+  EXPECT_EQ(coarsest->spheres.size(), 4U);
+  EXPECT_EQ(coarsest->triangles.size(), 4U);
+  EXPECT_TRUE(coarsest->edges.empty());
+}
+
+TEST(Build, IsTheSameAtEveryScaleAndPlace) {
+  const std::filesystem::path path = "../shared/data/meshes/camel_mc_2020.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const auto mesh = read_mesh(path);
+  ASSERT_TRUE(mesh);
+  for (const auto& options : {HierarchyOptions{}, HierarchyOptions{.regularise = 0}}) {
+    const auto expected = hierarchy_of(*mesh, options).level(50);
+    for (const auto& [scale, offset] : {std::pair{1e-3, 0.0}, std::pair{1e6, 0.0}, std::pair{1.0, 12.3}}) {
+      auto moved = *mesh;
+      for (auto& p : moved.positions) p = scale * p + Eigen::Vector3d::Constant(offset);
+      const auto level = hierarchy_of(moved, options).level(50);
+      EXPECT_EQ(level->triangles, expected->triangles);
+      EXPECT_EQ(level->edges, expected->edges);
+      for (std::size_t k = 0; k < level->spheres.size(); ++k)
+        EXPECT_NEAR(level->spheres[k].radius, scale * expected->spheres[k].radius, 1e-4 * scale);
+    }
+  }
+}
+
+TEST(Build, RefusesWhatItCannotUse) {
+  EXPECT_EQ(build_hierarchy({}).error().message, "expected a mesh with vertices, found none");
+  EXPECT_FALSE(build_hierarchy(ball(1), {.regularise = -1}));
+  EXPECT_FALSE(build_hierarchy(ball(1), {.weights = {1, 2}}));
+  EXPECT_FALSE(build_hierarchy(ball(1), {.labels = {1}}));
+  EXPECT_FALSE(build_hierarchy(ball(1), {.pinned = {{VertexId(1)}, {VertexId(1)}}}));
+}
+
+TEST(Build, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  const auto build = build_hierarchy(ball(4), {}, {.stop = source.get_token()});
+  ASSERT_FALSE(build);
+  EXPECT_EQ(build.error().kind, ErrorKind::Cancelled);
+}
+
+}  // namespace
+}  // namespace armature::sdk
