@@ -1,0 +1,92 @@
+#include <cmath>
+
+#include <armature/sdk/mesh/measures.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Unit length, or zero for what has no direction. Survives lengths whose square does not.
+Vector3d direction_of(const Vector3d& v) {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0) || !std::isfinite(largest)) return Vector3d::Zero();
+  return (v / largest).normalized();
+}
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d bounding_box(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& position : mesh.positions) box.extend(position);
+  return box;
+}
+
+double bounding_box_diagonal(const Mesh& mesh) {
+  return mesh.positions.empty() ? 0 : bounding_box(mesh).diagonal().stableNorm();
+}
+
+std::vector<double> face_areas(const Mesh& mesh) {
+  std::vector<double> areas(mesh.triangles.size());
+  for (std::size_t i = 0; i < areas.size(); ++i) areas[i] = area_vector(mesh, FaceId(i)).stableNorm();
+  return areas;
+}
+
+double surface_area(const Mesh& mesh) {
+  double sum = 0;
+  for (const double area : face_areas(mesh)) sum += area;
+  return sum;
+}
+
+std::vector<Vector3d> face_normals(const Mesh& mesh) {
+  std::vector<Vector3d> normals(mesh.triangles.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Vector3d& a = mesh.corner(FaceId(i), 0);
+    normals[i] =
+        direction_of(direction_of(mesh.corner(FaceId(i), 1) - a).cross(direction_of(mesh.corner(FaceId(i), 2) - a)));
+  }
+  return normals;
+}
+
+std::vector<Vector3d> vertex_normals(const Mesh& mesh) {
+  const std::vector<Vector3d> faces = face_normals(mesh);
+  std::vector<Vector3d> normals(mesh.positions.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3d& here = mesh.corner(FaceId(i), k);
+      const double angle = angle_between(direction_of(mesh.corner(FaceId(i), (k + 1) % 3) - here),
+                                         direction_of(mesh.corner(FaceId(i), (k + 2) % 3) - here));
+      normals[mesh.triangles[i][k].index()] += angle * faces[i];
+    }
+  }
+  for (Vector3d& normal : normals) normal = direction_of(normal);
+  return normals;
+}
+
+std::vector<double> barycentric_areas(const Mesh& mesh) {
+  std::vector<double> areas(mesh.positions.size(), 0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double third = area_vector(mesh, FaceId(i)).stableNorm() / 3;
+    for (const VertexId vertex : mesh.triangles[i]) areas[vertex.index()] += third;
+  }
+  return areas;
+}
+
+void append_cell_points(const Mesh& mesh, const Adjacency& adjacency, VertexId vertex, std::vector<Vector3d>& out) {
+  const Vector3d& here = mesh.position(vertex);
+  out.push_back(here);
+  for (const FaceId face : adjacency.faces(vertex)) {
+    Vector3d sum = Vector3d::Zero();
+    for (const VertexId corner : mesh.triangle(face)) {
+      sum += mesh.position(corner);
+      if (corner != vertex) out.push_back(0.5 * (here + mesh.position(corner)));
+    }
+    out.push_back(sum / 3);
+  }
+}
+
+}  // namespace armature::sdk
