@@ -15,6 +15,9 @@ void add_commands(CLI::App& app, Run& run) {
   add_import(app, run);
   add_listen(app, run);
   add_record(app, run);
+#ifdef ARMATURE_VIEWER
+  add_render(app, run);
+#endif
   add_replay(app, run);
   add_synth(app, run);
 }

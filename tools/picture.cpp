@@ -26,6 +26,13 @@ void Picture::set(int u, int v, const Colour& colour) noexcept {
   std::copy(colour.begin(), colour.end(), rgb_.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
+void Picture::paste(int u, int v, int width, std::span<const std::uint8_t> rgb) noexcept {
+  for (std::size_t i = 0; 3 * i + 2 < rgb.size(); ++i) {
+    const int pixel = static_cast<int>(i);
+    set(u + pixel % width, v + pixel / width, {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]});
+  }
+}
+
 Expected<void> Picture::write_png(const std::filesystem::path& path) const {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

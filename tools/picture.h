@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "firmware_host/error.h"
@@ -18,8 +19,14 @@ class Picture {
     rgb_.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   }
 
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+
   /// Ignores what lies outside.
   void set(int u, int v, const Colour& colour) noexcept;
+
+  /// Puts another picture, `rgb` [rows][width][3], with its upper left corner at (u, v). Ignores what lies outside.
+  void paste(int u, int v, int width, std::span<const std::uint8_t> rgb) noexcept;
 
   /// Writes a PNG under a temporary name and renames it when complete.
   [[nodiscard]] Expected<void> write_png(const std::filesystem::path& path) const;

@@ -7,6 +7,7 @@ usage: programs_test.py BUILD_DIRECTORY
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -123,6 +124,33 @@ class Programs(unittest.TestCase):
         differs = run("armature", "replay", f"oni:{recording}", "--compare", changed)
         self.assertEqual(differs.returncode, 1)
         self.assertIn("frame 60 differs: joints.head.xyz[1]", differs.stderr)
+
+    def test_pictures_are_whole_the_same_every_time_and_told_of(self):
+        if run("armature", "render", "--help").returncode != 0:
+            self.skipTest("built without the viewer")
+        mesh = self.file("pyramid.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n")
+        shape = self.file("pair.ma", "2 1 0\nv 0 0 0 0.5\nv 1 0 0 0.25\ne 0 1\n")
+        first, second = self.here / "first.png", self.here / "second.png"
+        result = run("armature", "render", mesh, shape, first, "--size", "301x100", "--structure", "--json")
+        if "no OpenGL" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = json.loads(result.stdout)
+        self.assertEqual((told["width"], told["height"], told["columns"], told["rows"]), (301, 100, 3, 1))
+        self.assertEqual([cell[0]["kind"] for cell in told["cells"]], ["mesh", "sphere-mesh", "structure"])
+        picture = first.read_bytes()
+        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", picture[16:24]), (301, 100))
+        self.assertEqual(run("armature", "render", mesh, shape, second, "--size", "301x100", "--structure").returncode, 0)
+        self.assertEqual(picture, second.read_bytes())
+
+        names = sorted(path.name for path in self.here.iterdir())
+        cut = self.file("cut.ma", "2 1 0\nv 0 0 0 0.5\n")
+        self.assert_refused(run("armature", "render", cut, self.here / "cut.png"), cut)
+        self.assert_refused(run("armature", "render", mesh, self.here / "nowhere" / "out.png"), "nowhere/out.png")
+        self.assertEqual(run("armature", "render", mesh, shape).returncode, 2)
+        self.assertEqual(run("armature", "render", mesh, self.here / "x.png", "--size", "0x5").returncode, 2)
+        self.assertEqual(sorted(path.name for path in self.here.iterdir()), sorted([*names, "cut.ma"]))
 
     def test_an_endpoint_in_use_is_refused_and_sigterm_stops_cleanly(self):
         endpoint = f"ipc://{self.here}/nav"

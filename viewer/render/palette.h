@@ -1,0 +1,20 @@
+#pragma once
+
+#include <armature/sdk/mesh/mesh.h>
+
+namespace armature::viewer {
+
+/// The colours of pictures, sRGB. Spheres, edges and triangles differ in hue and in lightness, so that they can be told
+/// apart in grey and by colour-blind eyes.
+struct Palette {
+  sdk::Colour mesh = {206, 201, 192};
+  sdk::Colour sphere = {205, 84, 66};
+  sdk::Colour edge = {233, 187, 82};
+  sdk::Colour triangle = {112, 152, 200};
+  sdk::Colour line = {38, 44, 54};      ///< wire edges of meshes
+  sdk::Colour inside = {122, 84, 110};  ///< back faces: seen through a hole, or where a mesh is inside out
+  sdk::Colour background_top = {252, 252, 252};
+  sdk::Colour background_bottom = {225, 229, 234};
+};
+
+}  // namespace armature::viewer
