@@ -19,6 +19,7 @@ void add_commands(CLI::App& app, Run& run) {
   add_render(app, run);
 #endif
   add_replay(app, run);
+  add_spheremesh(app, run);
   add_synth(app, run);
 }
 

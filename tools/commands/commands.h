@@ -21,6 +21,7 @@ void add_listen(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);  // where the viewer is built
 void add_replay(CLI::App& app, Run& run);
+void add_spheremesh(CLI::App& app, Run& run);
 void add_synth(CLI::App& app, Run& run);
 
 struct TrackerSetup;

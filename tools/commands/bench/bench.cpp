@@ -5,6 +5,7 @@ namespace armature::tools {
 void add_bench(CLI::App& app, Run& run) {
   CLI::App* bench = app.add_subcommand("bench", "Measure speed and accuracy on this machine.");
   bench->require_subcommand(1);
+  add_bench_collapse(*bench, run);
   add_bench_steering(*bench, run);
   add_bench_tracker(*bench, run);
 }

@@ -1,0 +1,110 @@
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/io/sphere_mesh_file.h>
+#include <fmt/format.h>
+
+#include "tools/commands/spheremesh/spheremesh.h"
+#include "tools/json_lines.h"
+#include "tools/peak_memory.h"
+#include "tools/sdk_call.h"
+
+namespace armature::tools {
+namespace {
+
+struct BuildOptions {
+  std::string in, out, hierarchy_out;
+  std::optional<std::size_t> spheres;
+  std::optional<double> error_percent;
+  std::optional<double> importance, regularise;
+  double enrichment = 0;
+  bool paper = false, keep_topology = false;
+  bool refine = false, inner = false, outer = false;
+  bool json = false;
+};
+
+constexpr std::size_t kDefaultSpheres = 50;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+sdk::HierarchyOptions hierarchy_options(const BuildOptions& options) {
+  sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
+  result.importance = options.importance.value_or(result.importance);
+  result.regularise = options.regularise.value_or(result.regularise);
+  result.enrichment = options.enrichment;
+  result.keep_topology = options.keep_topology;
+  return result;
+}
+
+Expected<void> build(const BuildOptions& options) {
+  SdkCall call;
+  reset_peak_memory();
+  const auto start = std::chrono::steady_clock::now();
+  const auto mesh = ours(sdk::read_mesh(options.in, {}, call.task()));
+  if (!mesh) return tl::unexpected(mesh.error());
+  const double read_ms = milliseconds_since(start);
+
+  const std::size_t spheres = options.spheres.value_or(kDefaultSpheres);
+  sdk::HierarchyOptions settings = hierarchy_options(options);
+  if (options.hierarchy_out.empty()) settings.stop_at = spheres;
+  const auto built = ours(sdk::build_hierarchy(*mesh, settings, call.task()));
+  if (!built) return fail(options.in + ": " + built.error().message);
+  const auto shape = ours(built->hierarchy.level(spheres));
+  if (!shape) return fail(options.in + ": " + shape.error().message);
+
+  if (auto written = ours(sdk::write_sphere_mesh(*shape, options.out, call.task())); !written) return written;
+  const sdk::BuildStatistics& took = built->statistics;
+  if (options.json) {
+    return write_json_line(stdout, {{"spheres", shape->spheres.size()},
+                                    {"edges", shape->edges.size()},
+                                    {"triangles", shape->triangles.size()},
+                                    {"read_ms", number(read_ms)},
+                                    {"init_ms", number(took.init_ms)},
+                                    {"decimate_ms", number(took.decimate_ms)},
+                                    {"refine_ms", 0},
+                                    {"collapses", took.collapses},
+                                    {"peak_mb", number(peak_memory_mb())}});
+  }
+  std::printf("%s\n", fmt::format("{}: {} spheres, {} wire edges, {} triangles", options.out, shape->spheres.size(),
+                                  shape->edges.size(), shape->triangles.size())
+                          .c_str());
+  return {};
+}
+
+}  // namespace
+
+void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
+  auto options = std::make_shared<BuildOptions>();
+  CLI::App* command = spheremesh.add_subcommand("build", "Approximate a mesh by a few interpolated spheres.");
+  command->add_option("IN", options->in, "a triangle mesh")->required();
+  command->add_option("OUT", options->out, "the sphere-mesh: .ma, .ply (with radius) or .urdf (spheres alone)")
+      ->required();
+  command->add_option("--spheres", options->spheres, "how many (default: 50)")->check(CLI::PositiveNumber);
+  command
+      ->add_option("--importance", options->importance,
+                   "how much more curved places count: 0 fits (default), 1 abstracts")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--enrich", options->enrichment,
+                   "join vertices through the solid that are nearer than this part of the bounding box's diagonal")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--regularise", options->regularise, "pull towards the middle of the region (default: 1e-4)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh");
+  command->add_flag("--paper", options->paper, "the settings of the thesis: importance 1, regularise 0");
+  command->add_option("--hierarchy", options->hierarchy_out, "also store every level, for `spheremesh level`")
+      ->type_name("OUT.smh");
+  command->add_flag("--json", options->json, "one JSON object: counts, times in milliseconds, memory");
+  command->footer("Example:\n  armature spheremesh build cow.obj cow.ma --spheres 60");
+  command->callback([options, &run] { run = [options] { return build(*options); }; });
+}
+
+}  // namespace armature::tools

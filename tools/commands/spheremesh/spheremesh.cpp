@@ -1,0 +1,12 @@
+#include "tools/commands/spheremesh/spheremesh.h"
+
+namespace armature::tools {
+
+void add_spheremesh(CLI::App& app, Run& run) {
+  CLI::App* spheremesh =
+      app.add_subcommand("spheremesh", "A shape as a few interpolated spheres: build it from a mesh, measure it.");
+  spheremesh->require_subcommand(1);
+  add_spheremesh_build(*spheremesh, run);
+}
+
+}  // namespace armature::tools

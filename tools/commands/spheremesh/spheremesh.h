@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/commands/commands.h"
+
+namespace armature::tools {
+
+// Each adds one subcommand to `armature spheremesh`. One source file a subcommand.
+void add_spheremesh_build(CLI::App& spheremesh, Run& run);
+
+}  // namespace armature::tools
