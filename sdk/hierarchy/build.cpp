@@ -4,6 +4,7 @@
 #include <string>
 
 #include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/mesh/curvature.h>
 
 #include "sdk/hierarchy/collapse_complex.h"
 #include "sdk/hierarchy/decimation.h"
@@ -52,9 +53,16 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
 Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options, const Task& task) {
   if (const auto wrong = fault(mesh, options); !wrong.empty()) return fail(wrong);
   const auto start = Clock::now();
+  std::vector<double> curved;
+  std::span<const double> weights = options.weights;
+  if (weights.empty() && options.importance > 0) {
+    auto importance = curvature_importance(mesh, options.importance, task);
+    if (!importance) return tl::unexpected(importance.error());
+    weights = curved = std::move(*importance);
+  }
   const auto shape = NormalisedShape::of(mesh);
   const auto vertices = static_cast<std::uint32_t>(shape.positions.size());
-  SqemMetric metric(shape, {.weights = options.weights, .regularise = options.regularise});
+  SqemMetric metric(shape, {.weights = weights, .regularise = options.regularise});
   for (const auto& [vertex, sphere] : options.pinned) {
     const auto slot = static_cast<std::uint32_t>(vertex.index());
     metric.pin(slot, sphere ? Sphere{(sphere->centre - shape.origin) / shape.scale, sphere->radius / shape.scale}
