@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/mesh/mesh.h>
+
+#include "sdk/spheremesh/union_gauge.h"
+
+namespace armature::sdk {
+
+/// Points of an input surface, as many to an area everywhere, in an order that keeps near ones together.
+struct SurfaceSamples {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> normals;  ///< of unit length
+  std::vector<FaceId> faces;
+};
+
+/// `count` samples of a mesh in the unit frame, one in each of as many strips of the same area; the same on every run.
+/// None for a mesh without area.
+[[nodiscard]] SurfaceSamples sample_surface(const Mesh& mesh, std::size_t count);
+
+/// A point of a union's boundary, or of one of its pieces.
+struct UnionSample {
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;  ///< outward, of unit length
+  Corners corners{};       ///< of the interpolated sphere that it lies on
+  std::array<double, 3> weights{};
+};
+
+/// Samples of the boundary of a union, cavities included, `density` to an area, in an order that keeps near ones
+/// together. If `only` is not empty, of those pieces alone that have a corner with only[corner] = true.
+[[nodiscard]] std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density,
+                                                    const std::vector<bool>& only = {});
+
+}  // namespace armature::sdk

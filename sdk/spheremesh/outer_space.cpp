@@ -1,0 +1,113 @@
+#include "sdk/spheremesh/outer_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kBlock = 8;        // cells along a block that is looked at as a whole
+constexpr double kThick = 0.55;  // in cells; above 1/2, so that not even a sheet lets the flood through
+constexpr double kHalfDiagonal = 0.8660254037844387;
+
+}  // namespace
+
+OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vector3d lower = Vector3d::Constant(kInfinity);
+  Vector3d upper = -lower;
+  for (const Sphere& s : gauge.spheres()) {
+    lower = lower.cwiseMin(s.centre - Vector3d::Constant(s.radius));
+    upper = upper.cwiseMax(s.centre + Vector3d::Constant(s.radius));
+  }
+  size_ = std::max((upper - lower).maxCoeff() / cells, 1e-9);
+  constexpr int kMargin = 3;
+  lower_ = lower - Vector3d::Constant(kMargin * size_);
+  std::size_t count = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    extent_[k] = static_cast<int>(std::ceil((upper[axis] - lower[axis]) / size_)) + 2 * kMargin;
+    count *= static_cast<std::size_t>(extent_[k]);
+  }
+  cells_.assign(count, Cell::Free);
+
+  const NearbyPieces all = gauge.all();
+  tbb::parallel_for(0, (extent_[2] + kBlock - 1) / kBlock, [&](int z) {
+    NearbyPieces near;
+    for (int y = 0; y < extent_[1]; y += kBlock)
+      for (int x = 0; x < extent_[0]; x += kBlock) {
+        const Vector3d middle = lower_ + size_ * Vector3d(x + kBlock / 2, y + kBlock / 2, z * kBlock + kBlock / 2);
+        gauge.near(all, middle, kHalfDiagonal * kBlock * size_, kThick * size_, near);
+        if (!near.edges.empty() || !near.facets.empty()) take(gauge, near, {x, y, z * kBlock}, kBlock);
+      }
+  });
+  flood();
+}
+
+void OuterSpace::take(const UnionGauge& gauge, const NearbyPieces& pieces, const std::array<int, 3>& at, int width) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (at[k] >= extent_[k]) return;
+  const Vector3d middle = lower_ + size_ * (Vector3d(at[0], at[1], at[2]) + Vector3d::Constant(0.5 * width));
+  const double distance = gauge.distance(pieces, middle) - kThick * size_;
+  const double reach = kHalfDiagonal * width * size_;
+  if (width == 1 ? distance >= 0 : distance > reach) return;
+  if (width == 1 || distance < -reach) {
+    std::array<int, 3> end{};
+    for (std::size_t k = 0; k < 3; ++k) end[k] = std::min(extent_[k], at[k] + width);
+    for (int z = at[2]; z < end[2]; ++z)
+      for (int y = at[1]; y < end[1]; ++y)
+        std::fill_n(cells_.begin() + static_cast<std::ptrdiff_t>(index({at[0], y, z})), end[0] - at[0], Cell::Taken);
+    return;
+  }
+  const int half = width / 2;
+  for (int k = 0; k < 8; ++k)
+    take(gauge, pieces, {at[0] + (k & 1) * half, at[1] + (k >> 1 & 1) * half, at[2] + (k >> 2) * half}, half);
+}
+
+void OuterSpace::flood() {
+  std::vector<std::array<int, 3>> open{{0, 0, 0}};
+  cells_[0] = Cell::Outer;
+  while (!open.empty()) {
+    const std::array<int, 3> at = open.back();
+    open.pop_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const int step : {-1, 1}) {
+        std::array<int, 3> next = at;
+        next[k] += step;
+        if (next[k] < 0 || next[k] >= extent_[k]) continue;
+        Cell& cell = cells_[index(next)];
+        if (cell != Cell::Free) continue;
+        cell = Cell::Outer;
+        open.push_back(next);
+      }
+  }
+}
+
+bool OuterSpace::outer(const Vector3d& point) const noexcept {
+  std::array<int, 3> at{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    const double cell = std::floor((point[axis] - lower_[axis]) / size_);
+    if (!(cell >= 0 && cell < extent_[k])) return true;
+    at[k] = static_cast<int>(cell);
+  }
+  return cells_[index(at)] == Cell::Outer;
+}
+
+bool OuterSpace::sees(const Vector3d& point, const Vector3d& normal) const noexcept {
+  // Along the normal only, at first: to the sides one might look through a thin wall.
+  for (const double cells : {1.2, 1.7, 0.8, 2.3})
+    if (outer(point + cells * size_ * normal)) return true;
+  const Vector3d ahead = point + 1.7 * size_ * normal;
+  for (Eigen::Index k = 0; k < 3; ++k)
+    for (const double side : {-0.7, 0.7})
+      if (outer(ahead + side * size_ * Vector3d::Unit(k))) return true;
+  return false;
+}
+
+}  // namespace armature::sdk

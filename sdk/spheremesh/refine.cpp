@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <armature/sdk/spheremesh/make_sphere_mesh.h>
+#include <armature/sdk/spheremesh/refine.h>
+
+#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/spheremesh/union_fit.h"
+
+namespace armature::sdk {
+namespace {
+
+/// The mesh in the unit frame, its faces outward.
+Mesh unit_mesh(const NormalisedShape& shape) {
+  Mesh mesh;
+  mesh.positions = shape.positions;
+  mesh.triangles.reserve(shape.triangles.size());
+  for (const auto& [a, b, c] : shape.triangles) mesh.triangles.push_back({VertexId(a), VertexId(b), VertexId(c)});
+  return mesh;
+}
+
+Expected<void> check(const SphereMesh& start, const RefineOptions& options) {
+  const std::size_t count = start.spheres.size();
+  const auto names_all = [&](const auto& simplices) {
+    return std::all_of(simplices.begin(), simplices.end(), [&](const auto& ids) {
+      return std::all_of(ids.begin(), ids.end(), [&](SphereId id) { return id.index() < count; });
+    });
+  };
+  if (!names_all(start.edges)) return fail("refine: an edge names a sphere that is not there");
+  if (!names_all(start.triangles)) return fail("refine: a triangle names a sphere that is not there");
+  for (std::size_t k = 0; k < count; ++k) {
+    const Sphere& s = start.spheres[k];
+    if (!s.centre.allFinite() || !(s.radius >= 0) || !std::isfinite(s.radius))
+      return fail("refine: sphere " + std::to_string(k) + " is not finite or has a negative radius");
+  }
+  for (const SphereId id : options.pinned)
+    if (id.index() >= count)
+      return fail("refine: sphere " + std::to_string(id.index()) + " is pinned, but there are " +
+                  std::to_string(count));
+  if (options.iterations < 0) return fail("refine: iterations must not be negative");
+  if (!(options.tail >= 0) || !std::isfinite(options.tail)) return fail("refine: tail must be finite and not negative");
+  return {};
+}
+
+}  // namespace
+
+Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const RefineOptions& options, const Task& task) {
+  if (const Expected<void> checked = check(start, options); !checked) return tl::unexpected(checked.error());
+  SphereMesh shape = make_sphere_mesh(start.spheres, start.edges, start.triangles);
+  if (shape.spheres.empty() || mesh.triangles.empty()) return shape;
+
+  const NormalisedShape normalised = NormalisedShape::of(mesh);
+  for (Sphere& s : shape.spheres) {
+    s.centre = (s.centre - normalised.origin) / normalised.scale;
+    s.radius /= normalised.scale;
+  }
+  constexpr std::size_t kFewest = 2500;
+  constexpr std::size_t kPerSphere = 50;
+  const std::size_t samples =
+      options.samples > 0 ? options.samples : std::max(kFewest, kPerSphere * shape.spheres.size());
+  UnionFit fit(unit_mesh(normalised), samples);
+  if (fit.samples().points.empty()) return start;
+
+  std::vector<bool> fixed(shape.spheres.size(), false);
+  for (const SphereId id : options.pinned) fixed[id.index()] = true;
+  fit.loss.tail = options.tail;
+  // Far is what is several times the mean distance, which falls with the number of spheres.
+  const FitError before = fit.error(shape);
+  fit.loss.far = std::clamp(6 * 0.5 * (before.forward + before.back), 2e-3, 0.05);
+  fit.improve(shape, options.iterations, fixed, task);
+  if (task.stopped()) return cancelled();
+
+  for (std::size_t k = 0; k < shape.spheres.size(); ++k) {
+    Sphere& s = shape.spheres[k];
+    s.centre = normalised.origin + normalised.scale * s.centre;
+    s.radius *= normalised.scale;
+    if (fixed[k]) s = start.spheres[k];
+  }
+  return shape;
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,266 @@
+#include "sdk/spheremesh/union_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/SparseCholesky>
+#include <armature/sdk/mesh/measures.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "sdk/spheremesh/point_blocks.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using Eigen::VectorXd;
+
+constexpr int kOuterCells = 80;
+constexpr int kOuterLasts = 3;  // iterations: cavities change slowly
+constexpr double kLongestStep = 0.03;
+
+}  // namespace
+
+double FitLoss::cost(double distance) const noexcept {
+  const double d = std::abs(distance);
+  return std::sqrt(d * d + round * round) - round + tail * far * std::pow(d / far, power);
+}
+
+double FitLoss::weight(double distance) const noexcept {
+  const double d = std::abs(distance);
+  return 1 / std::sqrt(d * d + round * round) + tail * power / far * std::pow(d / far, power - 2);
+}
+
+/// The matrix of all centres and radii: a 4x4 block for every sphere and every pair of an edge.
+class UnionFit::NormalEquations {
+ public:
+  explicit NormalEquations(const UnionGauge& gauge) : count_(gauge.spheres().size()) {
+    // By the larger corner, then the smaller: the lower half, columns by the smaller one.
+    for (std::uint32_t k = 0; k < count_; ++k) pairs_.push_back({k, k});
+    for (std::size_t e = 0; e < gauge.edge_count(); ++e) {
+      const auto [a, b] = gauge.edge_corners(e);
+      if (a != b) pairs_.push_back({std::min(a, b), std::max(a, b)});
+    }
+    std::sort(pairs_.begin(), pairs_.end());
+    first_.assign(count_ + 1, 0);
+    for (const auto& pair : pairs_) ++first_[pair[0] + 1];
+    for (std::size_t k = 0; k < count_; ++k) first_[k + 1] += first_[k];
+    blocks_.resize(pairs_.size());
+  }
+
+  void assemble(const std::vector<Row>& rows) {
+    std::fill(blocks_.begin(), blocks_.end(), Matrix4d::Zero());
+    right_ = VectorXd::Zero(static_cast<Eigen::Index>(4 * count_));
+    for (const Row& row : rows) {
+      if (!(row.weight > 0)) continue;
+      const Vector4d weighted = row.weight * row.gradient;
+      const Matrix4d outer = weighted * row.gradient.transpose();
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (!(row.weights[i] > 0)) continue;
+        right_.segment<4>(4 * row.corners[i]) += row.weights[i] * row.residual * weighted;
+        for (std::size_t j = 0; j < 3; ++j)
+          if (row.weights[j] > 0 && row.corners[i] <= row.corners[j] && (i <= j || row.corners[i] != row.corners[j]))
+            block(row.corners[i], row.corners[j]) += (row.weights[i] * row.weights[j]) * outer;
+      }
+    }
+  }
+
+  /// (A + damping diag A) x = b, where fixed spheres stay; empty if it cannot be factored.
+  [[nodiscard]] std::optional<VectorXd> solve(double damping, const std::vector<bool>& fixed) const {
+    const auto is_fixed = [&](std::uint32_t k) { return !fixed.empty() && fixed[k]; };
+    double trace = 0;
+    for (std::uint32_t k = 0; k < count_; ++k) trace += blocks_[first_[k]].trace();
+    const double least = 1e-6 * trace / static_cast<double>(4 * count_) + 1e-300;
+
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(16 * pairs_.size());
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      const auto [i, j] = pairs_[p];
+      if (i != j && (is_fixed(i) || is_fixed(j))) continue;
+      for (Eigen::Index r = 0; r < 4; ++r)
+        for (Eigen::Index c = 0; c < (i == j ? r + 1 : 4); ++c) {
+          // The block is of rows i and columns j: of the lower half, rows j and columns i.
+          double value = i == j ? blocks_[p](r, c) : blocks_[p](c, r);
+          if (i == j && r == c) value += damping * value + least;
+          if (i == j && is_fixed(i)) value = r == c ? 1 : 0;
+          entries.emplace_back(static_cast<int>(4 * j + r), static_cast<int>(4 * i + c), value);
+        }
+    }
+    VectorXd b = right_;
+    for (std::uint32_t k = 0; k < count_; ++k)
+      if (is_fixed(k)) b.segment<4>(4 * k).setZero();
+    const auto size = static_cast<Eigen::Index>(4 * count_);
+    Eigen::SparseMatrix<double> A(size, size);
+    A.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(A);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    VectorXd x = factor.solve(b);
+    if (!x.allFinite()) return std::nullopt;
+    return x;
+  }
+
+ private:
+  [[nodiscard]] Matrix4d& block(std::uint32_t i, std::uint32_t j) {
+    const auto begin = pairs_.begin() + first_[i];
+    const auto end = pairs_.begin() + first_[i + 1];
+    const auto found = i == j ? begin : std::lower_bound(begin, end, std::array{i, j});
+    return blocks_[static_cast<std::size_t>(found - pairs_.begin())];
+  }
+
+  std::size_t count_;
+  std::vector<std::array<std::uint32_t, 2>> pairs_;
+  std::vector<std::uint32_t> first_;  // by sphere, in pairs_
+  std::vector<Matrix4d> blocks_;
+  VectorXd right_;
+};
+
+UnionFit::UnionFit(const Mesh& mesh, std::size_t samples)
+    : samples_(sample_surface(mesh, samples)), tree_(mesh), face_normals_(face_normals(mesh)) {
+  const double area = surface_area(mesh);
+  if (area > 0) density_ = static_cast<double>(samples) / area;
+}
+
+void UnionFit::forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) const {
+  const std::size_t count = samples_.points.size();
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(1, count));
+  rows.resize(count);
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+  for_each_block(
+      gauge, samples_.points, kAnywhere, [&](const NearbyPieces& pieces, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const Vector3d& p = samples_.points[k];
+          const UnionTouch touch = gauge.touch(pieces, p);
+          const Vector3d away = p - blend(gauge.spheres(), touch.corners, touch.weights).centre;
+          const double length = away.norm();
+          const Vector3d d = length > 1e-12 ? Vector3d(away / length) : samples_.normals[k];
+          const double scale = share * loss.side(touch.distance);
+          rows[k] = {
+              touch.distance, scale * loss.weight(touch.distance), scale * loss.cost(touch.distance), touch.corners,
+              touch.weights,  Vector4d(d[0], d[1], d[2], 1)};
+        }
+      });
+}
+
+void UnionFit::back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::vector<Row>& rows) const {
+  const std::vector<UnionSample> boundary = sample_union(gauge, density_);
+  rows.resize(boundary.size());
+  constexpr std::size_t kGrain = 64;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boundary.size(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      FaceId hint;
+                      for (std::size_t k = range.begin(); k < range.end(); ++k) {
+                        const UnionSample& y = boundary[k];
+                        const SurfacePoint q = tree_.closest(y.point, {.hint = hint});
+                        hint = q.face;
+                        const Vector3d& normal = face_normals_[q.face.index()];
+                        const Vector3d to_input = q.point - y.point;
+                        const bool within = to_input.dot(normal) > 0;
+                        // The wall of a cavity lies within the input and, near its surface, looks the other way.
+                        const double shallow = y.normal.dot(normal) < 0.3 ? 2e-3 : 2 * outer.cell_size();
+                        if (within && q.distance > shallow && !outer.sees(y.point, y.normal)) {
+                          rows[k].weight = rows[k].cost = rows[k].residual = 0;
+                          continue;
+                        }
+                        Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
+                        double residual = q.distance;
+                        const double along = direction.dot(y.normal);
+                        const double sign = along < 0 ? -1 : 1;
+                        direction *= sign, residual *= sign;
+                        const double side = loss.side(within ? 1 : -1);
+                        rows[k] = {residual,
+                                   side * loss.weight(residual),
+                                   side * loss.cost(residual),
+                                   y.corners,
+                                   y.weights,
+                                   Vector4d(direction[0], direction[1], direction[2], std::abs(along))};
+                      }
+                    });
+  std::erase_if(rows, [](const Row& row) { return row.weight == 0; });
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(1, rows.size()));
+  for (Row& row : rows) row.weight *= share, row.cost *= share;
+}
+
+std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSpace& outer, FitError& error) const {
+  std::vector<Row> forward;
+  std::vector<Row> back;
+  forward_rows(gauge, forward);
+  back_rows(gauge, outer, back);
+  error = {};
+  const auto sum = [&](const std::vector<Row>& rows, double& mean, double& worst) {
+    for (const Row& row : rows) {
+      error.loss += row.cost;
+      mean += std::abs(row.residual);
+      worst = std::max(worst, std::abs(row.residual));
+    }
+    mean /= static_cast<double>(std::max<std::size_t>(1, rows.size()));
+  };
+  sum(forward, error.forward, error.worst_forward);
+  sum(back, error.back, error.worst_back);
+  forward.insert(forward.end(), back.begin(), back.end());
+  return forward;
+}
+
+FitError UnionFit::error(const SphereMesh& shape) const {
+  const UnionGauge gauge(shape);
+  const OuterSpace outer(gauge, kOuterCells);
+  FitError error;
+  static_cast<void>(rows(gauge, outer, error));
+  return error;
+}
+
+FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<bool>& fixed, const Task& task) const {
+  UnionGauge gauge(shape);
+  NormalEquations equations(gauge);
+  std::optional<OuterSpace> outer(std::in_place, gauge, kOuterCells);
+  FitError error;
+  std::vector<Row> at = rows(gauge, *outer, error);
+  equations.assemble(at);
+  double damping = 0.02;
+  int refused = 0;
+  int outer_age = 0;
+  for (int k = 0; k < iterations && !task.stopped(); ++k) {
+    if (outer_age >= kOuterLasts) {
+      outer.emplace(gauge, kOuterCells);
+      outer_age = 0;
+      at = rows(gauge, *outer, error);
+      equations.assemble(at);
+    }
+    ++outer_age;
+    const std::optional<VectorXd> step = equations.solve(damping, fixed);
+    if (!step) break;
+    std::vector<Sphere> moved = gauge.spheres();
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      Vector4d s = step->segment<4>(static_cast<Eigen::Index>(4 * i));
+      const double length = std::max(s.head<3>().norm(), std::abs(s[3]));
+      if (length > kLongestStep) s *= kLongestStep / length;
+      moved[i].centre += s.head<3>();
+      moved[i].radius = std::max(0.0, moved[i].radius + s[3]);
+    }
+    UnionGauge tried = gauge;
+    tried.move_to(moved);
+    FitError error_there;
+    std::vector<Row> there = rows(tried, *outer, error_there);
+    if (error_there.loss < error.loss) {
+      const double gain = 1 - error_there.loss / error.loss;
+      gauge = std::move(tried);
+      at = std::move(there);
+      error = error_there;
+      equations.assemble(at);
+      damping = std::max(1e-3, 0.4 * damping);
+      refused = 0;
+      constexpr double kNoGain = 5e-4;
+      if (gain < kNoGain && k > 5) break;
+    } else {
+      damping *= 4;
+      constexpr int kPatience = 4;
+      if (++refused > kPatience) break;
+    }
+  }
+  shape.spheres = gauge.spheres();
+  return error;
+}
+
+}  // namespace armature::sdk

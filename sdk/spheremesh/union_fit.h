@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/distance/mesh_tree.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/spheremesh/sphere_mesh.h>
+#include <armature/sdk/task.h>
+
+#include "sdk/spheremesh/fit_samples.h"
+#include "sdk/spheremesh/outer_space.h"
+
+namespace armature::sdk {
+
+/// What a distance costs: its size, rounded off near zero, and far out a power that grows past everything else.
+struct FitLoss {
+  double round = 1e-3;  ///< below this it is quadratic
+  double far = 0.02;    ///< where the power takes over
+  double tail = 0.5;    ///< its weight
+  double power = 6;
+  double outside = 1;  ///< how much more the union counts where it leaves the input
+  double missing = 1;  ///< how much more it counts where it falls short of it
+
+  [[nodiscard]] double cost(double distance) const noexcept;
+  /// Of the square that touches the cost there: cost' / distance.
+  [[nodiscard]] double weight(double distance) const noexcept;
+  /// The factor for a signed distance, positive where the union is missing.
+  [[nodiscard]] double side(double missing_by) const noexcept { return missing_by > 0 ? missing : outside; }
+};
+
+/// How far a union is from the input, in units of the input's bounding box diagonal; by samples, both ways.
+struct FitError {
+  double loss = 0;
+  double forward = 0;  ///< mean distance from the input to the union
+  double back = 0;     ///< and back
+  double worst_forward = 0;
+  double worst_back = 0;
+};
+
+/// Fits the interpolated geometry of a sphere-mesh to a mesh in the unit frame, both directions, with its connectivity
+/// as it is.
+class UnionFit {
+ public:
+  UnionFit(const Mesh& mesh, std::size_t samples);
+
+  FitLoss loss;
+
+  [[nodiscard]] const SurfaceSamples& samples() const noexcept { return samples_; }
+  [[nodiscard]] const MeshTree& tree() const noexcept { return tree_; }
+  /// Samples of the union to an area of its surface.
+  [[nodiscard]] double density() const noexcept { return density_; }
+
+  [[nodiscard]] FitError error(const SphereMesh& shape) const;
+  /// Gauss-Newton with Levenberg and Marquardt's damping on all centres and radii but the fixed ones, each at least 0.
+  /// Never makes the loss larger. Returns early if it no longer falls, or the task is stopped.
+  FitError improve(SphereMesh& shape, int iterations, const std::vector<bool>& fixed, const Task& task) const;
+
+ private:
+  /// A residual: how far the point of the union with these weights must move along `direction`.
+  struct Row {
+    double residual;
+    double weight;  ///< 0: none
+    double cost;
+    Corners corners{};
+    std::array<double, 3> weights{};
+    Eigen::Vector4d gradient;  ///< of the residual's distance by centre and radius of the interpolated sphere
+  };
+  class NormalEquations;
+
+  [[nodiscard]] std::vector<Row> rows(const UnionGauge& gauge, const OuterSpace& outer, FitError& error) const;
+  void forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) const;
+  void back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::vector<Row>& rows) const;
+
+  SurfaceSamples samples_;
+  MeshTree tree_;
+  std::vector<Eigen::Vector3d> face_normals_;
+  double density_ = 0;
+};
+
+}  // namespace armature::sdk

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/spheremesh/sphere_mesh.h>
+
+#include "sdk/spheremesh/gauges.h"
+
+namespace armature::sdk {
+
+/// The corners of a piece; where there are fewer than three the last one is repeated with weight 0.
+using Corners = std::array<std::uint32_t, 3>;
+
+/// The interpolated sphere that comes nearest to a point, of all pieces of a union.
+struct UnionTouch {
+  double distance = std::numeric_limits<double>::infinity();  ///< to that piece's surface, negative inside
+  std::uint32_t piece = 0;                                    ///< an edge, or edge_count() + a facet
+  Corners corners{};
+  std::array<double, 3> weights{};
+};
+
+/// Pieces that points of a ball may touch: few of many.
+struct NearbyPieces {
+  std::vector<std::uint32_t> edges, facets;
+};
+
+/// A sphere-mesh prepared for the distances of many points, block by block of points that lie close together. Unlike a
+/// tree it costs next to nothing to follow spheres that move.
+class UnionGauge {
+ public:
+  explicit UnionGauge(const SphereMesh& shape);
+
+  /// The same connectivity with other spheres.
+  void move_to(std::span<const Sphere> spheres);
+
+  [[nodiscard]] const std::vector<Sphere>& spheres() const noexcept { return spheres_; }
+  [[nodiscard]] const std::vector<EdgeGauge>& edges() const noexcept { return edges_; }
+  [[nodiscard]] const std::vector<FacetGauge>& facets() const noexcept { return facets_; }
+  [[nodiscard]] std::size_t edge_count() const noexcept { return edges_.size(); }
+  /// A sphere on no edge counts as an edge whose ends are the same.
+  [[nodiscard]] const std::array<std::uint32_t, 2>& edge_corners(std::size_t edge) const noexcept {
+    return edge_corners_[edge];
+  }
+  [[nodiscard]] const Corners& facet_corners(std::size_t facet) const noexcept { return facet_corners_[facet]; }
+
+  /// Every piece.
+  [[nodiscard]] NearbyPieces all() const;
+  /// Of `among`, the pieces that can be the nearest to a point of a ball, or come nearer than `within` to one.
+  void near(const NearbyPieces& among, const Eigen::Vector3d& centre, double radius, double within,
+            NearbyPieces& out) const;
+
+  /// The nearest of these pieces.
+  [[nodiscard]] UnionTouch touch(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
+  /// The least signed distance to these pieces; stops early once it is below `enough`.
+  [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point,
+                                double enough = -std::numeric_limits<double>::infinity()) const noexcept;
+
+ private:
+  std::vector<Sphere> spheres_;
+  std::vector<EdgeGauge> edges_;
+  std::vector<std::array<std::uint32_t, 2>> edge_corners_;
+  std::vector<FacetGauge> facets_;
+  std::vector<Corners> facet_corners_;
+};
+
+/// The interpolated sphere with these weights.
+[[nodiscard]] Sphere blend(std::span<const Sphere> spheres, const Corners& corners,
+                           const std::array<double, 3>& weights) noexcept;
+
+/// The nearest interpolated sphere for each point, on all cores. Points that follow one another should lie close.
+void touch_all(const UnionGauge& gauge, std::span<const Eigen::Vector3d> points, std::span<UnionTouch> out);
+
+}  // namespace armature::sdk

@@ -1,0 +1,173 @@
+#include <cmath>
+#include <filesystem>
+
+#include <armature/sdk/distance/mesh_tree.h>
+#include <armature/sdk/distance/sphere_mesh_tree.h>
+#include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/spheremesh/refine.h>
+#include <gtest/gtest.h>
+
+#include "tests/sdk/mesh/surfaces.h"
+
+namespace armature::sdk {
+namespace {
+
+using namespace surfaces;
+
+using Eigen::Vector3d;
+
+/// The hull of two spheres on the x axis: every direction of a fine ball goes to the farther point of the two.
+Mesh tapered_capsule(const Sphere& a, const Sphere& b) {
+  Mesh mesh = icosphere(5);
+  for (Vector3d& p : mesh.positions) {
+    const Vector3d of_a = a.centre + a.radius * p;
+    const Vector3d of_b = b.centre + b.radius * p;
+    p = of_a.dot(p) > of_b.dot(p) ? of_a : of_b;
+  }
+  return mesh;
+}
+
+SphereMesh level_of(const Mesh& mesh, std::size_t spheres) {
+  const auto build = build_hierarchy(mesh, {.stop_at = spheres});
+  EXPECT_TRUE(build.has_value());
+  auto level = build->hierarchy.level(spheres);
+  EXPECT_TRUE(level.has_value());
+  return level ? *level : SphereMesh();
+}
+
+/// The mean distance of the mesh's vertices to the union, in units of the bounding box's diagonal.
+double mean_distance(const Mesh& mesh, const SphereMesh& shape) {
+  const SphereMeshTree tree(shape);
+  double sum = 0;
+  for (const Vector3d& p : mesh.positions) sum += std::abs(tree.signed_distance(p));
+  return sum / static_cast<double>(mesh.positions.size()) / bounding_box_diagonal(mesh);
+}
+
+void expect_same(const SphereMesh& a, const SphereMesh& b) {
+  ASSERT_EQ(a.spheres.size(), b.spheres.size());
+  for (std::size_t k = 0; k < a.spheres.size(); ++k) {
+    EXPECT_EQ(a.spheres[k].centre, b.spheres[k].centre) << k;
+    EXPECT_EQ(a.spheres[k].radius, b.spheres[k].radius) << k;
+  }
+  EXPECT_EQ(a.edges, b.edges);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(Refine, FindsTheSphereOfABall) {
+  const Mesh mesh = icosphere(4);
+  const auto fitted = refine(mesh, {.spheres = {{Vector3d(0.2, -0.1, 0.1), 0.7}}});
+  ASSERT_TRUE(fitted);
+  EXPECT_LT(fitted->spheres[0].centre.norm(), 1e-3);
+  EXPECT_NEAR(fitted->spheres[0].radius, 1, 3e-3);  // the facets lie a little inside
+}
+
+TEST(Refine, FindsTheTwoSpheresOfATaperedCapsule) {
+  const Sphere a{Vector3d(-1, 0, 0), 0.5};
+  const Sphere b{Vector3d(1.5, 0, 0), 0.2};
+  const Mesh mesh = tapered_capsule(a, b);
+  const auto fitted = refine(mesh, {.spheres = {{Vector3d(-0.8, 0.1, 0), 0.4}, {Vector3d(1.3, 0, 0.1), 0.3}},
+                                    .edges = {{SphereId(0), SphereId(1)}}});
+  ASSERT_TRUE(fitted);
+  EXPECT_LT((fitted->spheres[0].centre - a.centre).norm(), 5e-3);
+  EXPECT_LT((fitted->spheres[1].centre - b.centre).norm(), 5e-3);
+  EXPECT_NEAR(fitted->spheres[0].radius, a.radius, 5e-3);
+  EXPECT_NEAR(fitted->spheres[1].radius, b.radius, 5e-3);
+}
+
+TEST(Refine, HalvesTheErrorOfADecimatedTorus) {
+  const Mesh mesh = torus(1, 0.3);
+  const SphereMesh start = level_of(mesh, 12);
+  const auto fitted = refine(mesh, start);
+  ASSERT_TRUE(fitted);
+  EXPECT_EQ(fitted->spheres.size(), start.spheres.size());
+  EXPECT_LT(mean_distance(mesh, *fitted), 0.5 * mean_distance(mesh, start));
+}
+
+TEST(Refine, DoesTheSameAtEveryScaleAndPlace) {
+  const Mesh mesh = torus(1, 0.3);
+  const SphereMesh start = level_of(mesh, 12);
+  const auto fitted = refine(mesh, start);
+  ASSERT_TRUE(fitted);
+  for (const double scale : {0x1p-10, 0x1p20}) {  // powers of two round nothing off
+    SphereMesh scaled = start;
+    for (Sphere& s : scaled.spheres) s.centre *= scale, s.radius *= scale;
+    const auto there = refine(moved(mesh, Vector3d::Zero(), scale), scaled);
+    ASSERT_TRUE(there);
+    for (std::size_t k = 0; k < fitted->spheres.size(); ++k) {
+      EXPECT_LT((there->spheres[k].centre / scale - fitted->spheres[k].centre).norm(), 1e-6);
+      EXPECT_NEAR(there->spheres[k].radius / scale, fitted->spheres[k].radius, 1e-6);
+    }
+  }
+}
+
+TEST(Refine, DoesTheSameOnEveryRun) {
+  const Mesh mesh = torus(1, 0.3);
+  const SphereMesh start = level_of(mesh, 12);
+  const auto once = refine(mesh, start);
+  const auto again = refine(mesh, start);
+  ASSERT_TRUE(once && again);
+  expect_same(*once, *again);
+}
+
+TEST(Refine, LeavesPinnedSpheresAlone) {
+  const Mesh mesh = torus(1, 0.3);
+  const SphereMesh start = level_of(mesh, 12);
+  const auto fitted = refine(mesh, start, {.pinned = {SphereId(3), SphereId(7)}});
+  ASSERT_TRUE(fitted);
+  for (const std::size_t k : {std::size_t{3}, std::size_t{7}}) {
+    EXPECT_EQ(fitted->spheres[k].centre, start.spheres[k].centre);
+    EXPECT_EQ(fitted->spheres[k].radius, start.spheres[k].radius);
+  }
+}
+
+TEST(Refine, TakesAMeshThatIsInsideOut) {
+  const auto fitted = refine(inside_out(icosphere(4)), {.spheres = {{Vector3d(0.2, -0.1, 0.1), 0.7}}});
+  ASSERT_TRUE(fitted);
+  EXPECT_NEAR(fitted->spheres[0].radius, 1, 3e-3);
+}
+
+TEST(Refine, ReturnsAStartWithNothingToFit) {
+  const SphereMesh start{.spheres = {{Vector3d::Zero(), 1}}};
+  Mesh flat;
+  flat.positions.assign(3, Vector3d::Ones());
+  flat.triangles = {triangle(0, 1, 2)};
+  for (const Mesh& mesh : {Mesh(), flat}) {
+    const auto fitted = refine(mesh, start);
+    ASSERT_TRUE(fitted);
+    expect_same(*fitted, start);
+  }
+  const auto none = refine(icosphere(2), SphereMesh());
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->spheres.empty());
+}
+
+TEST(Refine, RefusesWhatNamesNoSphere) {
+  const SphereMesh start{.spheres = {{Vector3d::Zero(), 1}}, .edges = {{SphereId(0), SphereId(1)}}};
+  EXPECT_FALSE(refine(icosphere(2), start));
+  EXPECT_FALSE(refine(icosphere(2), {.spheres = {{Vector3d::Zero(), -1}}}));
+  EXPECT_FALSE(refine(icosphere(2), {.spheres = {{Vector3d::Zero(), 1}}}, {.pinned = {SphereId(1)}}));
+}
+
+TEST(Refine, StopsOnRequest) {
+  std::stop_source source;
+  source.request_stop();
+  const auto fitted = refine(torus(1, 0.3), {.spheres = {{Vector3d::Zero(), 1}}}, {}, {.stop = source.get_token()});
+  ASSERT_FALSE(fitted);
+  EXPECT_EQ(fitted.error().kind, ErrorKind::Cancelled);
+}
+
+TEST(Refine, ComesCloseToARealModel) {
+  const std::filesystem::path path = "../shared/data/meshes/elephant_24955.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const auto mesh = read_mesh(path);
+  ASSERT_TRUE(mesh);
+  const SphereMesh start = level_of(*mesh, 45);
+  const auto fitted = refine(*mesh, start);
+  ASSERT_TRUE(fitted);
+  EXPECT_LT(mean_distance(*mesh, *fitted), 0.0035);
+}
+
+}  // namespace
+}  // namespace armature::sdk
