@@ -114,7 +114,12 @@ SheetGrid sheet_grid(std::size_t cells, const SheetOptions& options) {
     grid.width = divided(options.width, columns);
     grid.height = divided(options.height, rows_of(columns));
   } else {
-    columns = count <= kMostInARow ? count : static_cast<std::size_t>(std::ceil(std::sqrt(count)));
+    columns = count;
+    if (count > kMostInARow) {
+      columns = static_cast<std::size_t>(std::ceil(std::sqrt(count)));
+      // One more where fewer places stay empty.
+      if ((columns + 1) * rows_of(columns + 1) < columns * rows_of(columns)) ++columns;
+    }
     grid.width = count == 1 ? kSingleWidth : kCellWidth;
     grid.height = count == 1 ? kSingleHeight : kCellHeight;
   }

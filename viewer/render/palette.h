@@ -8,9 +8,9 @@ namespace armature::viewer {
 /// apart in grey and by colour-blind eyes.
 struct Palette {
   sdk::Colour mesh = {206, 201, 192};
-  sdk::Colour sphere = {205, 84, 66};
-  sdk::Colour edge = {233, 187, 82};
-  sdk::Colour triangle = {112, 152, 200};
+  sdk::Colour sphere = {199, 84, 70};
+  sdk::Colour edge = {229, 184, 92};
+  sdk::Colour triangle = {118, 151, 190};
   sdk::Colour line = {38, 44, 54};      ///< wire edges of meshes
   sdk::Colour inside = {122, 84, 110};  ///< back faces: seen through a hole, or where a mesh is inside out
   sdk::Colour background_top = {252, 252, 252};

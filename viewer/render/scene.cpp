@@ -78,10 +78,16 @@ void Scene::add_surface(const sdk::SphereMesh& shape, Content& content) const {
   for (const sdk::Sphere& sphere : shape.spheres) add_ball(sphere, palette_.sphere, content);
   for (const auto& [a, b] : shape.edges) add_cone({shape.sphere(a), shape.sphere(b)}, palette_.edge, content);
   for (const auto& [a, b] : sides_of(shape)) add_cone({shape.sphere(a), shape.sphere(b)}, palette_.triangle, content);
-  for (const auto& [a, b, c] : shape.triangles) {
-    if (const auto sides = tangent_triangles({shape.sphere(a), shape.sphere(b), shape.sphere(c)})) {
-      for (const TangentTriangle& side : *sides) add_triangle(side.corners, side.normal, kOneSided, content);
-    }
+  for (const auto& [a, b, c] : shape.triangles)
+    add_facets({shape.sphere(a), shape.sphere(b), shape.sphere(c)}, content);
+}
+
+void Scene::add_facets(const sdk::SphereTriangle& triangle, Content& content) const {
+  const auto normals = sdk::tangent_normals(triangle);
+  if (!normals) return;
+  for (const Vector3d& normal : *normals) {
+    const auto touched = [&](const sdk::Sphere& sphere) -> Vector3d { return sphere.centre + sphere.radius * normal; };
+    add_triangle({touched(triangle.a), touched(triangle.b), touched(triangle.c)}, normal, kOneSided, content);
   }
 }
 

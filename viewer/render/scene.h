@@ -7,6 +7,7 @@
 
 #include <armature/sdk/mesh/mesh.h>
 #include <armature/sdk/spheremesh/sphere_mesh.h>
+#include <armature/sdk/spheremesh/sphere_triangle.h>
 
 #include "viewer/render/palette.h"
 
@@ -83,6 +84,7 @@ class Scene {
   void add_structure(const sdk::SphereMesh& shape, Content& content) const;
   void add_ball(const sdk::Sphere& sphere, const sdk::Colour& colour, Content& content) const;
   void add_cone(const sdk::SphereEdge& edge, const sdk::Colour& colour, Content& content) const;
+  void add_facets(const sdk::SphereTriangle& triangle, Content& content) const;
   void add_triangle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& normal, std::uint8_t flags,
                     Content& content) const;
   [[nodiscard]] std::array<float, 3> local(const Eigen::Vector3d& point) const;

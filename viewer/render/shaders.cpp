@@ -223,7 +223,7 @@ float openness(ivec2 pixel, vec3 p, vec3 n) {
     float falloff = max(1 - vv, 0);
     sum += falloff * falloff * falloff * max(vn / (vv + 0.01), 0);
   }
-  return max(0, 1 - 2.6 * sum / float(kSamples));
+  return max(0, 1 - 3.2 * sum / float(kSamples));
 }
 
 void main() {
@@ -245,11 +245,11 @@ void main() {
   // Key from above left, fill from the right, sky and ground.
   const vec3 kKey = normalize(vec3(-0.45, 0.75, 0.65)), kFill = normalize(vec3(0.85, 0.15, 0.5));
   float key = max(dot(n, kKey), 0), fill = max(dot(n, kFill), 0);
-  vec3 sky = mix(vec3(0.30, 0.28, 0.27), vec3(0.46, 0.48, 0.52), 0.5 + 0.5 * n.y);
+  vec3 sky = mix(vec3(0.22, 0.20, 0.19), vec3(0.40, 0.42, 0.46), 0.5 + 0.5 * n.y);
   float gloss = pow(max(dot(n, normalize(kKey + to_eye)), 0), 48.0);
   float facing = max(dot(n, to_eye), 0);
   float rim = pow(1 - facing, 4.0);
-  vec3 sum = colour * (open * sky + mix(open, 1, 0.6) * (vec3(0.74, 0.72, 0.68) * key + vec3(0.16, 0.18, 0.22) * fill));
+  vec3 sum = colour * (open * sky + mix(open, 1, 0.6) * (vec3(0.82, 0.80, 0.76) * key + vec3(0.16, 0.18, 0.22) * fill));
   sum += open * (0.07 * gloss + 0.06 * rim);
   // Thin glass covers more where it is seen at a slant.
   light = vec4(min(sum, 1), glass ? mix(0.30, 0.85, pow(1 - facing, 1.5)) : 1);

@@ -63,25 +63,4 @@ std::vector<std::array<Vector3d, 3>> corner_normals(const sdk::Mesh& mesh, doubl
   return result;
 }
 
-std::optional<std::array<TangentTriangle, 2>> tangent_triangles(const std::array<sdk::Sphere, 3>& spheres) {
-  const Vector3d e1 = spheres[1].centre - spheres[0].centre;
-  const Vector3d e2 = spheres[2].centre - spheres[0].centre;
-  const Vector3d across = e1.cross(e2);
-  const double area2 = across.squaredNorm();
-  if (!(area2 > 0)) return std::nullopt;
-  // g . e1 = r1 - r0, g . e2 = r2 - r0, g . n = 0
-  const Vector3d g = ((spheres[1].radius - spheres[0].radius) * e2.cross(across) +
-                      (spheres[2].radius - spheres[0].radius) * across.cross(e1)) /
-                     area2;
-  const double rise2 = 1 - g.squaredNorm();
-  if (!(rise2 > 0)) return std::nullopt;
-  const Vector3d rise = std::sqrt(rise2 / area2) * across;
-  const auto side = [&](const Vector3d& normal) {
-    TangentTriangle triangle{.corners = {}, .normal = normal};
-    for (std::size_t k = 0; k < 3; ++k) triangle.corners[k] = spheres[k].centre + spheres[k].radius * normal;
-    return triangle;
-  };
-  return std::array{side(rise - g), side(-rise - g)};
-}
-
 }  // namespace armature::viewer

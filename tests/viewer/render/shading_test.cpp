@@ -45,27 +45,5 @@ TEST(CornerNormals, SurviveFacesWithoutArea) {
   EXPECT_TRUE(normals[5][0].isZero());
 }
 
-TEST(TangentTriangles, TouchTheirThreeSpheresFromOutside) {
-  const std::array<sdk::Sphere, 3> spheres = {{{{0, 0, 0}, 0.5}, {{2, 0.3, 0}, 0.2}, {{0.5, 1.7, 1}, 0.9}}};
-  const auto sides = tangent_triangles(spheres);
-  ASSERT_TRUE(sides);
-  for (const TangentTriangle& side : *sides) {
-    EXPECT_NEAR(side.normal.norm(), 1, 1e-12);
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR((side.corners[k] - spheres[k].centre).norm(), spheres[k].radius, 1e-12);
-      EXPECT_NEAR((side.corners[k] - side.corners[0]).dot(side.normal), 0, 1e-12) << "all in one plane";
-      EXPECT_NEAR((side.corners[k] - spheres[k].centre).dot(side.normal), spheres[k].radius, 1e-12);
-    }
-  }
-  EXPECT_LT((*sides)[0].normal.dot((*sides)[1].normal), 0);
-}
-
-TEST(TangentTriangles, AreNoneWhereNoPlaneTouchesAllThree) {
-  const sdk::Sphere a{{0, 0, 0}, 0.1}, b{{1, 0, 0}, 0.1};
-  EXPECT_FALSE(tangent_triangles({a, b, {{0.5, 0.5, 0}, 2}})) << "one holds the others";
-  EXPECT_FALSE(tangent_triangles({a, b, {{2, 0, 0}, 0.1}})) << "all on a line";
-  EXPECT_FALSE(tangent_triangles({a, a, a}));
-}
-
 }  // namespace
 }  // namespace armature::viewer
