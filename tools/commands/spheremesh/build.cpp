@@ -5,8 +5,10 @@
 #include <string>
 
 #include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
+#include <armature/sdk/spheremesh/refine.h>
 #include <fmt/format.h>
 
 #include "tools/commands/spheremesh/spheremesh.h"
@@ -56,8 +58,17 @@ Expected<void> build(const BuildOptions& options) {
   if (options.hierarchy_out.empty()) settings.stop_at = spheres;
   const auto built = ours(sdk::build_hierarchy(*mesh, settings, call.task()));
   if (!built) return fail(options.in + ": " + built.error().message);
-  const auto shape = ours(built->hierarchy.level(spheres));
+  if (!options.hierarchy_out.empty()) {
+    auto written = ours(sdk::write_hierarchy(built->hierarchy, options.hierarchy_out));
+    if (!written) return written;
+  }
+  auto shape = ours(built->hierarchy.level(spheres));
   if (!shape) return fail(options.in + ": " + shape.error().message);
+
+  const auto before_refinement = std::chrono::steady_clock::now();
+  if (options.refine) shape = ours(sdk::refine(*mesh, *shape, {}, call.task()));
+  if (!shape) return fail(options.in + ": " + shape.error().message);
+  const double refine_ms = options.refine ? milliseconds_since(before_refinement) : 0;
 
   if (auto written = ours(sdk::write_sphere_mesh(*shape, options.out, call.task())); !written) return written;
   const sdk::BuildStatistics& took = built->statistics;
@@ -68,7 +79,7 @@ Expected<void> build(const BuildOptions& options) {
                                     {"read_ms", number(read_ms)},
                                     {"init_ms", number(took.init_ms)},
                                     {"decimate_ms", number(took.decimate_ms)},
-                                    {"refine_ms", 0},
+                                    {"refine_ms", number(refine_ms)},
                                     {"collapses", took.collapses},
                                     {"peak_mb", number(peak_memory_mb())}});
   }
@@ -100,6 +111,7 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh");
   command->add_flag("--paper", options->paper, "the settings of the thesis: importance 1, regularise 0");
+  command->add_flag("--refine", options->refine, "then fit what is interpolated between the spheres, both ways");
   command->add_option("--hierarchy", options->hierarchy_out, "also store every level, for `spheremesh level`")
       ->type_name("OUT.smh");
   command->add_flag("--json", options->json, "one JSON object: counts, times in milliseconds, memory");
