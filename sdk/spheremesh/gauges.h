@@ -71,7 +71,8 @@ struct FacetGauge {
   Eigen::Vector3d to_b = Eigen::Vector3d::Zero(), to_c = Eigen::Vector3d::Zero();  ///< dual: weights of b and c
   double lean_b = 0, lean_c = 0;  ///< how the weights move with the height above the plane
   double radius_a = 0;
-  double cosine = 1;  ///< sqrt(1 - |g|^2)
+  double growth_b = 0, growth_c = 0;  ///< of the radius towards b and c
+  double cosine = 1;                  ///< sqrt(1 - |g|^2)
   bool exists = false;
 
   FacetGauge() = default;
@@ -88,7 +89,9 @@ struct FacetGauge {
     n = cross / std::sqrt(area2);
     to_b = ac.cross(cross) / area2;
     to_c = cross.cross(ab) / area2;
-    g = (t.b.radius - t.a.radius) * to_b + (t.c.radius - t.a.radius) * to_c;
+    growth_b = t.b.radius - t.a.radius;
+    growth_c = t.c.radius - t.a.radius;
+    g = growth_b * to_b + growth_c * to_c;
     const double g2 = g.squaredNorm();
     if (!(g2 < 1 - 1e-12)) return;
     exists = true;
@@ -105,6 +108,20 @@ struct FacetGauge {
     c = v.dot(to_c) + height * lean_c;
     d = height * cosine - g.dot(v) - radius_a;
     return exists && b >= 0 && c >= 0 && b + c <= 1;
+  }
+  /// Whether the point's foot on a facet's plane, `distance` away along `normal`, lies on the facet.
+  [[nodiscard]] bool holds_foot(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                                double distance) const noexcept {
+    // The foot is c + r normal; in the plane that is the linear map c -> c - r g, which we undo.
+    const Eigen::Vector3d v = point + distance * normal - a + radius_a * g;
+    const double wb = v.dot(to_b);
+    const double wc = v.dot(to_c);
+    const double gb = to_b.dot(g);
+    const double gc = to_c.dot(g);
+    const double determinant = 1 - gb * growth_b - gc * growth_c;
+    const double b = ((1 - gc * growth_c) * wb + gb * growth_c * wc) / determinant;
+    const double c = (gc * growth_b * wb + (1 - gb * growth_b) * wc) / determinant;
+    return b >= 0 && c >= 0 && b + c <= 1;
   }
   /// The facet's normal on the side of n (sign = 1) or the other (-1).
   [[nodiscard]] Eigen::Vector3d normal(double sign) const noexcept { return sign * cosine * n - g; }

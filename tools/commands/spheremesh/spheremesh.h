@@ -6,5 +6,6 @@ namespace armature::tools {
 
 // Each adds one subcommand to `armature spheremesh`. One source file a subcommand.
 void add_spheremesh_build(CLI::App& spheremesh, Run& run);
+void add_spheremesh_measure(CLI::App& spheremesh, Run& run);
 
 }  // namespace armature::tools

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <armature/sdk/distance/sphere_mesh_tree.h>
+
+namespace armature::sdk {
+
+/// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells whose
+/// middle is free are flooded from outside, face to face. A void narrower than a cell may be missed, and one whose way
+/// out is narrower than a cell counts as closed.
+class Cavities {
+ public:
+  /// `resolution` cells along the longest side of the bounding box.
+  Cavities(const SphereMeshTree& tree, int resolution);
+
+  /// Whether there is any closed void.
+  [[nodiscard]] bool any() const noexcept { return any_; }
+  /// Whether the free space nearest to the point is a closed void. Looks no further than the cells around it.
+  [[nodiscard]] bool beside(const Eigen::Vector3d& point) const noexcept;
+
+ private:
+  enum class Cell : std::uint8_t { Solid, Free, Outer };
+
+  void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size);
+  void flood();
+  [[nodiscard]] Eigen::Vector3d middle(const std::array<int, 3>& cell) const noexcept;
+  [[nodiscard]] std::size_t index(const std::array<int, 3>& cell) const noexcept {
+    return (static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(count_[1]) +
+            static_cast<std::size_t>(cell[1])) *
+               static_cast<std::size_t>(count_[0]) +
+           static_cast<std::size_t>(cell[0]);
+  }
+
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  double spacing_ = 1;
+  std::array<int, 3> count_{};
+  std::vector<Cell> cells_;
+  bool any_ = false;
+};
+
+}  // namespace armature::sdk

@@ -1,0 +1,247 @@
+#include <armature/sdk/distance/outer_surface.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "sdk/distance/cavities.h"
+#include "sdk/distance/creases.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kLeafSize = 4;
+
+double squared_distance(const OuterCrease& segment, const Vector3d& point) noexcept {
+  const Vector3d side = segment.b - segment.a;
+  const Vector3d v = point - segment.a;
+  const double length2 = side.squaredNorm();
+  const double along = length2 > 0 ? std::clamp(v.dot(side) / length2, 0.0, 1.0) : 0;
+  return (v - along * side).squaredNorm();
+}
+
+}  // namespace
+
+struct OuterSurface::State {
+  SpherePieces shape;
+  SphereMeshTree tree;
+  std::vector<Patch> patches;
+  double diagonal;
+  double depth;  // what a covered point must lie deeper than
+  Cavities cavities;
+  UnitFrame frame;
+  std::vector<Piece> pieces;  // in the order of their leaves
+  Bvh piece_bvh;
+  std::vector<OuterCrease> creases;  // in the order of their leaves
+  Bvh crease_bvh;
+
+  State(const SphereMesh& sphere_mesh, const OuterSurfaceOptions& options)
+      : shape(sphere_mesh),
+        tree(sphere_mesh),
+        patches(patches_of(shape)),
+        diagonal((shape.upper - shape.lower).norm()),
+        depth(4e-8 * diagonal),
+        cavities(tree, options.cavity_grid),
+        frame(shape.frame()) {
+    index_pieces();
+    index_creases(visible_creases(options));
+  }
+
+  /// Whether a point of a patch, with its outward normal, lies on the outer surface.
+  [[nodiscard]] bool outer(const Vector3d& point, const Vector3d& normal) const noexcept {
+    if (tree.inside(point, depth)) return false;
+    return !cavities.any() || !cavities.beside(point + 1e-3 * diagonal * normal);
+  }
+
+  void index_pieces() {
+    const std::vector<Piece> all = shape.all();
+    std::vector<UnitBox> boxes;
+    boxes.reserve(all.size());
+    for (const Piece piece : all) boxes.push_back(shape.box_of(frame, piece));
+    piece_bvh = Bvh(boxes, kLeafSize);
+    for (const std::uint32_t k : piece_bvh.order()) pieces.push_back(all[k]);
+  }
+
+  std::vector<OuterCrease> visible_creases(const OuterSurfaceOptions& options) const {
+    const CreaseOptions crease_options{options.resolution * diagonal, options.tolerance * diagonal};
+    std::vector<std::vector<OuterCrease>> found(patches.size());
+    tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t k) {
+      std::vector<CreaseSegment> all;
+      find_creases(shape, near(patches[k]), patches[k], crease_options, static_cast<std::uint32_t>(k), all);
+      for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, found[k]);
+    });
+    std::vector<OuterCrease> visible;
+    for (const auto& part : found) visible.insert(visible.end(), part.begin(), part.end());
+    return visible;
+  }
+
+  /// The pieces whose boxes meet the patch's.
+  [[nodiscard]] std::vector<Piece> near(const Patch& patch) const {
+    Vector3d lower = Vector3d::Constant(std::numeric_limits<double>::infinity());
+    Vector3d upper = -lower;
+    for (const SphereId id : patch.spheres) {
+      if (!id.valid()) continue;
+      lower = lower.cwiseMin((shape.sphere(id).centre.array() - shape.sphere(id).radius).matrix());
+      upper = upper.cwiseMax((shape.sphere(id).centre.array() + shape.sphere(id).radius).matrix());
+    }
+    const UnitBox box = unit_box(frame, lower, upper);
+    std::vector<Piece> close;
+    for (const Piece piece : shape.all()) {
+      const UnitBox other = shape.box_of(frame, piece);
+      if ((other.lower <= box.upper).all() && (other.upper >= box.lower).all()) close.push_back(piece);
+    }
+    return close;
+  }
+
+  /// Keeps what of a crease nothing covers.
+  void add_visible(const CreaseSegment& segment, double sag, std::vector<OuterCrease>& visible) const {
+    Vector3d a = segment.a;
+    Vector3d b = segment.b;
+    const bool a_inside = tree.inside(a, depth);
+    const bool b_inside = tree.inside(b, depth);
+    if (a_inside && b_inside) return;
+    if (a_inside || b_inside) {
+      Vector3d seen = a_inside ? b : a;
+      Vector3d hidden = a_inside ? a : b;
+      for (int step = 0; step < 24; ++step) {
+        const Vector3d middle = (seen + hidden) / 2;
+        (tree.inside(middle, sag) ? hidden : seen) = middle;
+      }
+      (a_inside ? a : b) = seen;
+    }
+    if (cavities.any()) {
+      const NearestSphere nearest = tree.nearest((a + b) / 2);
+      if (cavities.beside((a + b) / 2 + 1e-3 * diagonal * nearest.normal)) return;
+    }
+    visible.push_back({a, b});
+  }
+
+  void index_creases(const std::vector<OuterCrease>& visible) {
+    std::vector<UnitBox> boxes;
+    boxes.reserve(visible.size());
+    for (const OuterCrease& s : visible) boxes.push_back(unit_box(frame, s.a.cwiseMin(s.b), s.a.cwiseMax(s.b)));
+    crease_bvh = Bvh(boxes, kLeafSize);
+    creases.reserve(visible.size());
+    for (const std::uint32_t k : crease_bvh.order()) creases.push_back(visible[k]);
+  }
+
+  [[nodiscard]] double distance_within(const Vector3d& point) const noexcept;
+};
+
+double OuterSurface::State::distance_within(const Vector3d& point) const noexcept {
+  const Eigen::Vector3f p = frame.to_unit(point);
+  const double to_unit2 = frame.scale * frame.scale;
+  double least2 = std::numeric_limits<double>::infinity();
+  const auto limit = [&] { return static_cast<float>(least2 * to_unit2) * (1 + Bvh::kSlack); };
+  crease_bvh.descend(
+      limit(), [&](const Bvh::Node& node) { return squared_distances(node, p); },
+      [&](std::size_t first, std::size_t count) {
+        for (std::size_t k = first; k < first + count; ++k)
+          least2 = std::min(least2, squared_distance(creases[k], point));
+        return limit();
+      });
+
+  double least = std::sqrt(least2);
+  const auto offer = [&](const Vector3d& normal, double distance) {
+    if (distance < least && outer(point + distance * normal, normal)) {
+      least = distance;
+      least2 = distance * distance;
+    }
+  };
+  piece_bvh.descend(
+      limit(), [&](const Bvh::Node& node) { return squared_distances(node, p); },
+      [&](std::size_t first, std::size_t count) {
+        for (std::size_t k = first; k < first + count; ++k) {
+          const Piece piece = pieces[k];
+          if (piece.kind == Piece::Kind::Facet) {
+            // A ball may reach a facet from anywhere below its plane.
+            const FacetGauge& facet = shape.facets[piece.index];
+            for (const double sign : {1.0, -1.0}) {
+              const Vector3d normal = facet.normal(sign);
+              const double distance = facet.radius_a - normal.dot(point - facet.a);
+              if (distance < 0 || distance >= least || !facet.holds_foot(point, normal, distance)) continue;
+              offer(normal, distance);
+            }
+          } else {
+            // A ball that touches a sphere or cone from inside lies between its middle and its surface.
+            const PieceDistance d = distance_to(shape, piece, point);
+            if (d.distance <= 0 && -d.distance < least) offer(normal_at(shape, d, point), -d.distance);
+          }
+        }
+        return limit();
+      });
+  return least;
+}
+
+OuterSurface::OuterSurface(const SphereMesh& shape, const OuterSurfaceOptions& options)
+    : state_(std::make_unique<const State>(shape, options)) {}
+OuterSurface::~OuterSurface() = default;
+OuterSurface::OuterSurface(OuterSurface&&) noexcept = default;
+OuterSurface& OuterSurface::operator=(OuterSurface&&) noexcept = default;
+
+double OuterSurface::signed_distance(const Vector3d& point) const noexcept {
+  const State& s = *state_;
+  const double distance = s.tree.signed_distance(point);
+  if (distance >= 0 && !s.cavities.beside(point)) return distance;
+  return -s.distance_within(point);
+}
+
+std::vector<OuterSample> OuterSurface::sample(std::size_t count) const {
+  const State& s = *state_;
+  std::vector<double> area_before{0};
+  for (const Patch& patch : s.patches) area_before.push_back(area_before.back() + area_of(s.shape, patch));
+  const double total = area_before.back();
+  std::vector<OuterSample> samples;
+  if (!(total > 0) || count == 0) return samples;
+
+  // Candidates on all patches, of which those that nothing covers are kept. How many that will be is tried first.
+  const auto draw = [&](double candidates) {
+    struct Span {
+      std::size_t first, end;
+    };
+    std::vector<Span> spans(s.patches.size());
+    for (std::size_t k = 0; k < spans.size(); ++k)
+      spans[k] = {static_cast<std::size_t>(candidates * (area_before[k] / total)),
+                  static_cast<std::size_t>(candidates * (area_before[k + 1] / total))};
+    std::vector<std::vector<OuterSample>> parts(s.patches.size());
+    tbb::parallel_for(std::size_t{0}, spans.size(), [&](std::size_t k) {
+      const Patch& patch = s.patches[k];
+      for (std::size_t i = spans[k].first; i < spans[k].end; ++i) {
+        // The R2 sequence (Roberts 2018): each stretch of it fills the square evenly.
+        const double n = static_cast<double>(i);
+        const double u = std::fmod(0.5 + n * 0.7548776662466927, 1.0);
+        const double v = std::fmod(0.5 + n * 0.5698402909980532, 1.0);
+        const Vector3d parameter = spread(s.shape, patch, u, v);
+        const PatchPoint x = at(s.shape, patch, parameter);
+        if (s.outer(x.point, x.normal))
+          parts[k].push_back({x.point, x.normal, patch.spheres, weights_at(s.shape, patch, parameter)});
+      }
+    });
+    std::vector<OuterSample> kept;
+    for (const auto& part : parts) kept.insert(kept.end(), part.begin(), part.end());
+    return kept;
+  };
+  const double trial = static_cast<double>(std::max<std::size_t>(count / 8, 4096));
+  samples = draw(trial);
+  if (samples.size() >= count) return samples;
+  const double share = std::max(static_cast<double>(samples.size()) / trial, 1e-3);
+  return draw(static_cast<double>(count) / share);
+}
+
+const std::vector<OuterCrease>& OuterSurface::creases() const noexcept {
+  return state_->creases;
+}
+
+bool OuterSurface::has_cavities() const noexcept {
+  return state_->cavities.any();
+}
+
+const SphereMeshTree& OuterSurface::tree() const noexcept {
+  return state_->tree;
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,160 @@
+#include <cmath>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <armature/sdk/distance/outer_surface.h>
+#include <gtest/gtest.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+SphereMesh balls(std::vector<Sphere> spheres) {
+  SphereMesh shape;
+  shape.spheres = std::move(spheres);
+  return shape;
+}
+
+/// A random connected shape, with triangles and wire edges that meet and cross.
+SphereMesh tangle(std::size_t spheres, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> u(-1, 1);
+  SphereMesh shape;
+  for (std::size_t k = 0; k < spheres; ++k)
+    shape.spheres.push_back({{u(random), u(random), 0.6 * u(random)}, 0.1 + 0.2 * std::abs(u(random))});
+  for (std::size_t k = 0; k + 3 < spheres; k += 3) {
+    shape.triangles.push_back({SphereId(k), SphereId(k + 1), SphereId(k + 2)});
+    shape.triangles.push_back({SphereId(k + 1), SphereId(k + 2), SphereId(k + 3)});
+    if (k + 5 < spheres) shape.edges.push_back({SphereId(k), SphereId(k + 5)});
+  }
+  return shape;
+}
+
+/// Spheres at the corners of a cube with the twelve triangles of its sides: a thick box around a void.
+SphereMesh hollow_box(double radius) {
+  SphereMesh shape;
+  for (int k = 0; k < 8; ++k)
+    shape.spheres.push_back({{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0}, radius});
+  for (const auto& [a, b, c, d] : std::vector<std::array<int, 4>>{
+           {0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 4, 5}, {2, 3, 6, 7}, {0, 2, 4, 6}, {1, 3, 5, 7}}) {
+    shape.triangles.push_back({SphereId(a), SphereId(b), SphereId(c)});
+    shape.triangles.push_back({SphereId(b), SphereId(c), SphereId(d)});
+  }
+  std::sort(shape.triangles.begin(), shape.triangles.end());
+  return shape;
+}
+
+TEST(OuterSurface, BetweenTwoBallsTheNearestSurfaceIsTheirCrease) {
+  const OuterSurface surface(balls({{{-0.5, 0, 0}, 1}, {{0.5, 0, 0}, 1}}));
+  EXPECT_NEAR(surface.signed_distance({0, 0, 0}), -std::sqrt(0.75), 1e-5);
+  EXPECT_NEAR(surface.signed_distance({-0.5, 0, 0.1}), -0.9, 1e-5);
+  EXPECT_NEAR(surface.signed_distance({3, 0, 0}), 1.5, 1e-12);
+}
+
+TEST(OuterSurface, WhereThreeBallsMeetTheNearestSurfaceIsTheirCorner) {
+  const double s = std::sqrt(0.75);
+  const OuterSurface surface(balls({{{-0.5, 0, 0}, 0.7}, {{0.5, 0, 0}, 0.7}, {{0, s, 0}, 0.7}}));
+  const double to_middle2 = 1.0 / 3;
+  EXPECT_NEAR(surface.signed_distance({0, s / 3, 0}), -std::sqrt(0.49 - to_middle2), 1e-5);
+}
+
+TEST(OuterSurface, OfOneConvexPrimitiveItsOwnDistanceIsTheDistance) {
+  SphereMesh shape = balls({{{0, 0, 0}, 0.6}, {{2, 0, 0}, 0.5}, {{0, 1.5, 0}, 0.3}});
+  shape.triangles = {{SphereId(0), SphereId(1), SphereId(2)}};
+  const OuterSurface surface(shape);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(-1, 2.5);
+  for (int k = 0; k < 2000; ++k) {
+    const Vector3d p{u(random), u(random), u(random) / 3};
+    EXPECT_NEAR(surface.signed_distance(p),
+                signed_distance(SphereTriangle{shape.spheres[0], shape.spheres[1], shape.spheres[2]}, p), 1e-9);
+  }
+}
+
+/// Nothing of the surface is nearer than the distance says, and something is as near.
+void expect_distances_to_samples(const SphereMesh& shape, unsigned seed) {
+  const OuterSurface surface(shape);
+  const auto samples = surface.sample(60000);
+  ASSERT_GT(samples.size(), 40000U);
+  const auto [lower, upper] = surface.tree().bounds();
+  const double diagonal = (upper - lower).norm();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> u(0, 1);
+  int inside = 0;
+  for (int k = 0; k < 4000 && inside < 300; ++k) {
+    const Vector3d p = lower + Vector3d(u(random), u(random), u(random)).cwiseProduct(upper - lower);
+    const double distance = surface.signed_distance(p);
+    if (distance >= 0) continue;
+    ++inside;
+    double nearest = 1e9;
+    for (const OuterSample& s : samples) nearest = std::min(nearest, (s.point - p).norm());
+    for (const OuterCrease& c : surface.creases()) nearest = std::min(nearest, (c.a - p).norm());
+    EXPECT_GE(nearest, -distance - 2e-6 * diagonal);
+    EXPECT_LE(nearest, -distance + 0.01 * diagonal);
+  }
+  EXPECT_GE(inside, 100);
+}
+
+TEST(OuterSurface, OfATangleNoSampleIsNearerAndOneAsNear) {
+  expect_distances_to_samples(tangle(9, 1), 2);
+  expect_distances_to_samples(tangle(24, 3), 4);
+}
+
+TEST(OuterSurface, SamplesLieOnTheSurfaceAndKnowTheirSpheres) {
+  const SphereMesh shape = tangle(24, 5);
+  const OuterSurface surface(shape);
+  for (const OuterSample& s : surface.sample(5000)) {
+    EXPECT_NEAR(surface.tree().signed_distance(s.point), 0, 1e-6);
+    EXPECT_NEAR(s.normal.norm(), 1, 1e-12);
+    Sphere blended;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (s.spheres[k].valid()) {
+        blended.centre += s.weights[static_cast<Eigen::Index>(k)] * shape.sphere(s.spheres[k]).centre;
+        blended.radius += s.weights[static_cast<Eigen::Index>(k)] * shape.sphere(s.spheres[k]).radius;
+      }
+    EXPECT_NEAR((blended.centre + blended.radius * s.normal - s.point).norm(), 0, 1e-12);
+  }
+}
+
+TEST(OuterSurface, SamplesAreSpreadByArea) {
+  // A capsule of radius 1 and length 2: half its area of 8 pi is the cylinder's.
+  SphereMesh shape = balls({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}});
+  shape.edges = {{SphereId(0), SphereId(1)}};
+  const auto samples = OuterSurface(shape).sample(20000);
+  const auto on_side = std::count_if(samples.begin(), samples.end(),
+                                     [](const OuterSample& s) { return s.point.x() > 0 && s.point.x() < 2; });
+  EXPECT_NEAR(static_cast<double>(on_side) / static_cast<double>(samples.size()), 0.5, 0.005);
+}
+
+TEST(OuterSurface, AClosedVoidIsTakenForFilled) {
+  const OuterSurface surface(hollow_box(0.2));
+  EXPECT_TRUE(surface.has_cavities());
+  EXPECT_NEAR(surface.signed_distance({0, 0, 0}), -1.2, 1e-5);
+  EXPECT_NEAR(surface.signed_distance({0, 0, 0.75}), -0.45, 1e-5);
+  EXPECT_NEAR(surface.signed_distance({0, 0, 1.5}), 0.3, 1e-9);
+  for (const OuterSample& s : surface.sample(5000)) EXPECT_GT(s.point.cwiseAbs().maxCoeff(), 0.99);
+}
+
+TEST(OuterSurface, AnOpenVoidIsOutside) {
+  SphereMesh open = hollow_box(0.2);
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 1);
+  const OuterSurface surface(open);
+  EXPECT_FALSE(surface.has_cavities());
+  EXPECT_GT(surface.signed_distance({0, 0, 0}), 0.7);
+}
+
+TEST(OuterSurface, PointsWithoutRadiusAreAMesh) {
+  const OuterSurface surface(hollow_box(0));
+  EXPECT_NEAR(surface.signed_distance({0.2, 0.1, 3}), 2, 1e-12);
+  EXPECT_TRUE(std::isfinite(surface.signed_distance({0.2, 0.1, 0.5})));
+}
+
+TEST(OuterSurface, WithoutSpheresThereIsNothing) {
+  const OuterSurface surface(SphereMesh{});
+  EXPECT_TRUE(std::isinf(surface.signed_distance({0, 0, 0})));
+  EXPECT_TRUE(surface.sample(100).empty());
+}
+
+}  // namespace
+}  // namespace armature::sdk
