@@ -14,6 +14,7 @@ void add_commands(CLI::App& app, Run& run) {
   add_forest(app, run);
   add_import(app, run);
   add_listen(app, run);
+  add_mesh(app, run);
   add_record(app, run);
 #ifdef ARMATURE_VIEWER
   add_render(app, run);

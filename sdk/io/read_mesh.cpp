@@ -3,6 +3,7 @@
 
 #include <armature/sdk/io/read_mesh.h>
 
+#include "sdk/io/assimp.h"
 #include "sdk/io/file_bytes.h"
 #include "sdk/io/mesh_parsers.h"
 
@@ -26,15 +27,18 @@ Expected<Mesh> parse_mesh(std::string_view bytes, MeshFormat format, std::string
     case MeshFormat::Stl: return parse_stl(bytes, name, task);
     case MeshFormat::Other: break;
   }
-  return fail(std::string(name) + ": expected a mesh as OFF, OBJ, PLY or STL");
+  return parse_by_assimp(bytes, name, task);
 }
 
 Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options, const Task& task) {
   if (task.stopped()) return cancelled();
   task.report("reading", 0);
+  const MeshFormat format = options.format.value_or(mesh_format_of(path));
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  auto mesh = parse_mesh(*bytes, options.format.value_or(mesh_format_of(path)), path.string(), task);
+  // The formats that assimp reads may refer to other files beside this one.
+  auto mesh =
+      format == MeshFormat::Other ? read_by_assimp(path, task) : parse_mesh(*bytes, format, path.string(), task);
   if (mesh) task.report("reading", 1);
   return mesh;
 }

@@ -100,4 +100,10 @@ void Adjacency::find_neighbours() {
   for (std::size_t i = 0; i < edges_.size(); ++i) put(edges_[i][0], edges_[i][1], i);
 }
 
+bool walks_upwards(const Mesh& mesh, const Adjacency& adjacency, FaceId face, EdgeId edge) {
+  const auto& edges = adjacency.edges(face);
+  const auto k = static_cast<std::size_t>(std::find(edges.begin(), edges.end(), edge) - edges.begin());
+  return mesh.triangle(face)[k] == adjacency.edge(edge)[0];
+}
+
 }  // namespace armature::sdk

@@ -55,10 +55,6 @@ class Ring {
     return true;
   }
 
-  [[nodiscard]] double squared_length(std::size_t i, std::size_t j) const {
-    return (flat_[i] - flat_[j]).squaredNorm();
-  }
-
   /// Ear clipping (Meisters 1975). After a cut it goes on behind the next corner, which keeps fans apart.
   void clip(std::vector<Triangle>& out) {
     std::vector<std::size_t> reflex;
@@ -113,22 +109,18 @@ class Ring {
   std::vector<std::size_t> next_, previous_;
 };
 
-void fan(std::span<const VertexId> corners, std::size_t from, std::vector<Triangle>& out) {
-  const std::size_t n = corners.size();
-  for (std::size_t i = 1; i + 1 < n; ++i)
-    out.push_back({corners[from], corners[(from + i) % n], corners[(from + i + 1) % n]});
+void fan(std::span<const VertexId> corners, std::vector<Triangle>& out) {
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) out.push_back({corners[0], corners[i], corners[i + 1]});
 }
 
 }  // namespace
 
 void triangulate_polygon(std::span<const VertexId> corners, std::span<const Vector3d> positions,
                          std::vector<Triangle>& out) {
-  if (corners.size() == 3) return fan(corners, 0, out);
+  if (corners.size() == 3) return fan(corners, out);
   Ring ring(corners, positions);
-  if (!ring.has_plane()) return fan(corners, 0, out);
-  if (!ring.convex()) return ring.clip(out);
-  const bool other_diagonal = corners.size() == 4 && ring.squared_length(1, 3) < ring.squared_length(0, 2);
-  fan(corners, other_diagonal ? 1 : 0, out);
+  if (!ring.has_plane() || ring.convex()) return fan(corners, out);
+  ring.clip(out);
 }
 
 }  // namespace armature::sdk

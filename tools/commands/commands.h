@@ -18,6 +18,7 @@ void add_bench(CLI::App& app, Run& run);
 void add_forest(CLI::App& app, Run& run);
 void add_import(CLI::App& app, Run& run);
 void add_listen(CLI::App& app, Run& run);
+void add_mesh(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_render(CLI::App& app, Run& run);  // where the viewer is built
 void add_replay(CLI::App& app, Run& run);

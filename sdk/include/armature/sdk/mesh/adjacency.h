@@ -79,6 +79,9 @@ class Adjacency {
   std::vector<std::array<EdgeId, 3>> face_edges_;
 };
 
+/// Whether a face walks one of its edges from the smaller vertex to the larger one.
+[[nodiscard]] bool walks_upwards(const Mesh& mesh, const Adjacency& adjacency, FaceId face, EdgeId edge);
+
 /// Whether a face names a vertex twice.
 [[nodiscard]] constexpr bool repeats_a_vertex(const Triangle& triangle) noexcept {
   return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];

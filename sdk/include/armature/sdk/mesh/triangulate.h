@@ -8,10 +8,10 @@
 
 namespace armature::sdk {
 
-/// Appends the triangles of one polygon, corners.size() - 2 of them, in its orientation. A convex quadrilateral is cut
-/// along its shorter diagonal, another convex polygon is a fan, a concave one is cut by ear clipping in its plane
-/// (that of Newell's normal). Where a polygon has no plane or crosses itself, some triangles are degenerate or overlap.
-/// At least three corners; each names one of `positions`. Time quadratic in the corners of a concave polygon.
+/// Appends the triangles of one polygon, corners.size() - 2 of them, in its orientation. A convex polygon becomes a fan
+/// around its first corner, any other is cut by ear clipping in its plane (that of Newell's normal). Where a polygon
+/// has no plane or crosses itself, some triangles are degenerate or overlap. At least three corners; each names one of
+/// `positions`. Time quadratic in the corners of a concave polygon.
 void triangulate_polygon(std::span<const VertexId> corners, std::span<const Eigen::Vector3d> positions,
                          std::vector<Triangle>& out);
 
