@@ -77,6 +77,25 @@ function(armature_test name)
   endif()
 endfunction()
 
+# armature_install_test(COMPONENT)
+#   Declares the tests COMPONENT_install, which runs install_test.cmake of the folder that calls it, and
+#   COMPONENT_headers: every installed header compiles by itself.
+function(armature_install_test component)
+  set(sanitize)
+  if(ARMATURE_SANITIZE)
+    set(sanitize "-fsanitize=${ARMATURE_SANITIZE}")
+  endif()
+  add_test(NAME ${component}_install
+    COMMAND "${CMAKE_COMMAND}" "-DBUILD=${PROJECT_BINARY_DIR}" "-DSOURCE=${PROJECT_SOURCE_DIR}"
+      "-DGENERATOR=${CMAKE_GENERATOR}" "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DFLAGS=${sanitize}"
+      -P "${CMAKE_CURRENT_SOURCE_DIR}/install_test.cmake")
+  add_test(NAME ${component}_headers
+    COMMAND "${CMAKE_COMMAND}" --build "${PROJECT_BINARY_DIR}" --target armature_${component}_verify_interface_header_sets)
+  set_tests_properties(${component}_install ${component}_headers PROPERTIES TIMEOUT 600)
+  # Two builds must not write to one build tree at the same time.
+  set_tests_properties(${component}_headers PROPERTIES RESOURCE_LOCK build_tree)
+endfunction()
+
 # armature_fuzzer(NAME SOURCES a.cpp... LIBS lib...)
 #   Declares the libFuzzer program fuzzers/NAME, built by the target `fuzzers` of the preset `fuzz`; nothing elsewhere.
 #   Its seeds, if any, are the files of tests/fuzz/corpus/NAME. `tools/check --full` runs each for a minute.

@@ -1,0 +1,15 @@
+# The component sdk works by itself: its example is built against an installation alone, and abstracts a cube.
+include("${SOURCE}/tests/support/install_component.cmake")
+install_component(sdk sdk/examples/abstract "tbb|oneapi|assimp|tiny_obj")
+file(WRITE "${folder}/cube.off" "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
+  "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n")
+run("${folder}/build/abstract" "${folder}/cube.off" "${folder}/cube.ma" 3)
+if(NOT output STREQUAL "3 spheres\n")
+  message(FATAL_ERROR "abstract said: ${output}")
+endif()
+file(STRINGS "${folder}/cube.ma" lines)
+list(LENGTH lines count)
+list(GET lines 0 header)
+if(NOT header MATCHES "^3 [0-9]+ [0-9]+$" OR count LESS 4)
+  message(FATAL_ERROR "cube.ma begins with '${header}' and has ${count} lines")
+endif()
