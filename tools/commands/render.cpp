@@ -1,10 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <numbers>
+#include <optional>
+#include <span>
 
+#include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 
@@ -35,6 +39,7 @@ struct Arguments {
   std::vector<std::string> files;
   std::string size, view = "three-quarter", up = "y", structure, fit = "all", background;
   std::optional<double> azimuth_deg, elevation_deg;
+  std::vector<std::size_t> spheres = {45};
   bool overlay = false, wireframe = false, json = false;
 };
 
@@ -94,16 +99,28 @@ bool has_radius(const std::string& file) {
   return false;
 }
 
-Expected<NamedShape> load(const std::string& file, const sdk::Task& task) {
-  const auto format = sdk::sphere_mesh_format_of(file);
-  if (format == sdk::SphereMeshFormat::Ma || (format == sdk::SphereMeshFormat::Ply && has_radius(file))) {
-    auto shape = ours(sdk::read_sphere_mesh(file, task));
-    if (!shape) return tl::unexpected(shape.error());
-    return NamedShape{file, std::move(*shape)};
+/// Adds what a file holds: one shape, or those levels of a hierarchy.
+Expected<void> load(const std::string& file, std::span<const std::size_t> levels, const sdk::Task& task,
+                    std::vector<NamedShape>& shapes) {
+  const auto add = [&](auto shape) -> Expected<void> {
+    if (!shape) return fail(shape.error().message);
+    shapes.push_back({file, std::move(*shape)});
+    return {};
+  };
+  if (std::filesystem::path(file).extension() == ".smh") {
+    const auto hierarchy = ours(sdk::read_hierarchy(file, task));
+    if (!hierarchy) return tl::unexpected(hierarchy.error());
+    for (const std::size_t spheres : levels) {
+      auto level = hierarchy->level(spheres);
+      if (!level) return fail(file + ": " + level.error().message);
+      if (auto added = add(std::move(level)); !added) return added;
+    }
+    return {};
   }
-  auto mesh = ours(sdk::read_mesh(file, {}, task));
-  if (!mesh) return tl::unexpected(mesh.error());
-  return NamedShape{file, std::move(*mesh)};
+  const auto format = sdk::sphere_mesh_format_of(file);
+  if (format == sdk::SphereMeshFormat::Ma || (format == sdk::SphereMeshFormat::Ply && has_radius(file)))
+    return add(sdk::read_sphere_mesh(file, task));
+  return add(sdk::read_mesh(file, {}, task));
 }
 
 Json described(const NamedShape& named, const SheetCell::Item& item) {
@@ -129,9 +146,7 @@ Expected<void> render(const Arguments& arguments) {
   SdkCall call;
   std::vector<NamedShape> shapes;
   for (std::size_t i = 0; i + 1 < arguments.files.size(); ++i) {
-    auto shape = load(arguments.files[i], call.task());
-    if (!shape) return tl::unexpected(shape.error());
-    shapes.push_back(std::move(*shape));
+    if (auto loaded = load(arguments.files[i], arguments.spheres, call.task(), shapes); !loaded) return loaded;
   }
   const std::vector<SheetCell> cells = sheet_cells(shapes, options);
   const SheetGrid grid = sheet_grid(cells.size(), options);
@@ -177,6 +192,11 @@ void add_render(CLI::App& app, Run& run) {
                  "Show the spheres, edges and triangles that span sphere-meshes: beside their surfaces, or "
                  "--structure=instead, --structure=inside (a surface of glass)")
       ->check(CLI::IsMember({"beside", "instead", "inside"}));
+  command->add_option("--spheres", arguments->spheres, "Which levels of a hierarchy (.smh)")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->type_name("N[,N...]")
+      ->capture_default_str();
   command->add_flag("--wireframe", arguments->wireframe, "Show the edges of meshes");
   command->add_option("--fit", arguments->fit, "One camera for all shapes, or one for each")
       ->check(CLI::IsMember({"all", "each"}))
@@ -185,7 +205,9 @@ void add_render(CLI::App& app, Run& run) {
       ->check(check_colour)
       ->type_name("COLOUR");
   command->add_flag("--json", arguments->json, "Print what was drawn as one line of JSON");
-  command->add_option("FILES", arguments->files, "Meshes and sphere-meshes (.ma, or .ply with radii); then OUT.png")
+  command
+      ->add_option("FILES", arguments->files,
+                   "Meshes, sphere-meshes (.ma, or .ply with radii) and hierarchies (.smh); then OUT.png")
       ->required()
       ->expected(2, 1'000'000);
   command->footer(
@@ -195,6 +217,7 @@ void add_render(CLI::App& app, Run& run) {
       "Examples:\n"
       "  armature render elephant.off elephant.png\n"
       "  armature render elephant.off elephant.ma beside.png --structure\n"
+      "  armature render elephant.smh levels.png --spheres 400,100,25\n"
       "  armature render elephant.off elephant.ma over.png --overlay --view left --size 1600x1200");
   command->callback([arguments, &run] {
     const std::string& out = arguments->files.back();
