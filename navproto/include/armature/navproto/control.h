@@ -10,6 +10,7 @@
 
 namespace armature::navproto {
 
+/// Whom a ControlServer answers.
 struct ControlServerOptions {
   /// Control has no passwords: it is for programs of this machine, whom the socket file's permissions let in.
   bool allow_tcp = false;
@@ -18,6 +19,7 @@ struct ControlServerOptions {
 /// Answers ControlClients, one request at a time. Thread-safe: no. Realtime-safe: no.
 class ControlServer {
  public:
+  /// Carries a request out and says what holds then.
   using Handler = std::function<ControlReply(const ControlRequest&)>;
 
   /// Binds `control` of endpoints_of(endpoint); fails as Publisher::bind does, and for tcp unless it is allowed.
@@ -39,6 +41,8 @@ class ControlServer {
 /// Asks a ControlServer. Thread-safe: no.
 class ControlClient {
  public:
+  /// Connects to `control` of endpoints_of(endpoint), whether or not somebody answers there yet; fails where the
+  /// endpoint is malformed.
   [[nodiscard]] static Expected<ControlClient> connect(std::string_view endpoint);
   ~ControlClient();
   ControlClient(ControlClient&&) noexcept;

@@ -7,6 +7,7 @@
 
 namespace armature::navproto {
 
+/// Where the daemon publishes if nothing else is configured.
 inline constexpr std::string_view kDefaultEndpoint = "ipc:///run/armature/nav";
 
 /// The sockets of one publisher. `ipc:///run/armature/nav` has its siblings beside it (`.skeleton`, `.events`, `.feed`,
@@ -19,8 +20,8 @@ struct Endpoints {
   std::string control;     ///< Request and Reply
 };
 
-/// Fails where `base` is neither `ipc://PATH` (with room for the suffixes in a socket address) nor `tcp://HOST:PORT`
-/// with a port from 1 to 65531.
+/// The sockets beside `base`. Fails where `base` is neither `ipc://PATH` (with room for the suffixes in a socket
+/// address) nor `tcp://HOST:PORT` with a port from 1 to 65531.
 [[nodiscard]] Expected<Endpoints> endpoints_of(std::string_view base);
 
 }  // namespace armature::navproto

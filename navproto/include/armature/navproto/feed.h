@@ -37,6 +37,8 @@ class FeedPublisher {
 /// Receives the newest frame of the feed. Thread-safe: no.
 class FeedSubscriber {
  public:
+  /// Connects to `feed` of endpoints_of(endpoint), whether or not somebody publishes there yet; fails where the
+  /// endpoint is malformed.
   [[nodiscard]] static Expected<FeedSubscriber> connect(std::string_view endpoint);
   ~FeedSubscriber();
   FeedSubscriber(FeedSubscriber&&) noexcept;

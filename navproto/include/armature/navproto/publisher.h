@@ -17,13 +17,15 @@ using Now = std::function<std::chrono::nanoseconds()>;
 /// CLOCK_MONOTONIC.
 [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept;
 
+/// What a test decides for a publisher.
 struct PublisherOptions {
-  Now now = monotonic_now;
+  Now now = monotonic_now;       ///< what stamps messages
   std::uint64_t session_id = 0;  ///< 0 = drawn at random
 };
 
+/// What became of messages since the publisher was bound.
 struct PublisherCounters {
-  std::uint64_t sent = 0;
+  std::uint64_t sent = 0;      ///< handed to the sockets
   std::uint64_t refused = 0;   ///< messages that check() objected to: a mistake of the caller, nothing went out
   std::uint64_t replayed = 0;  ///< last states sent again to somebody who had just subscribed
 };
@@ -43,16 +45,20 @@ class Publisher {
   Publisher(Publisher&&) noexcept;
   Publisher& operator=(Publisher&&) noexcept;
 
+  ///@{
   /// Fill in header and times.published and send. False where check() objects to the message; nothing is sent then.
   bool publish_navigation(NavigationMessage& message) noexcept;
   bool publish_skeleton(SkeletonMessage& message) noexcept;
   bool publish_event(EventMessage& message) noexcept;
   bool publish_health(HealthMessage& message) noexcept;
+  ///@}
 
   /// Answers those who have just subscribed.
   void serve() noexcept;
 
+  /// What its messages carry as Header::session_id.
   [[nodiscard]] std::uint64_t session_id() const noexcept;
+  /// Up to now.
   [[nodiscard]] PublisherCounters counters() const noexcept;
 
  private:

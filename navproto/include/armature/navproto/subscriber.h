@@ -13,21 +13,23 @@
 
 namespace armature::navproto {
 
+/// What a subscriber listens to, and how old a velocity may be.
 struct SubscriberOptions {
   std::chrono::milliseconds max_age{250};  ///< velocity() is zero when the newest navigation is older
   bool skeleton = true;                    ///< subscribe to skeletons
   bool events = true;                      ///< subscribe to events and health
-  Now now = monotonic_now;
+  Now now = monotonic_now;                 ///< what ages are measured by
 };
 
 /// What has come since somebody last asked.
 struct Arrivals {
-  bool navigation = false;
-  bool skeleton = false;
-  bool events = false;
-  bool health = false;
-  bool error = false;
+  bool navigation = false;  ///< a newer one
+  bool skeleton = false;    ///< a newer one
+  bool events = false;      ///< to be taken by take_events()
+  bool health = false;      ///< a newer one
+  bool error = false;       ///< another failure
 
+  /// Whether anything has come.
   explicit operator bool() const noexcept { return navigation || skeleton || events || health || error; }
 };
 
@@ -50,10 +52,12 @@ class NavSubscriber {
   /// replayed state, or one that lay in a queue while this process or the network stood still, does not move a camera.
   [[nodiscard]] Velocity velocity() const noexcept;
 
+  ///@{
   /// The newest of each, however old; nothing before the first.
   [[nodiscard]] std::optional<NavigationMessage> navigation() const;
   [[nodiscard]] std::optional<SkeletonMessage> skeleton() const;
   [[nodiscard]] std::optional<HealthMessage> health() const;
+  ///@}
 
   /// Events that have come since the last call, in order, each once.
   [[nodiscard]] std::vector<EventMessage> take_events();
