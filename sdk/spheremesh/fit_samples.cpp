@@ -149,7 +149,7 @@ class PieceSampler {
 
 }  // namespace
 
-SurfaceSamples sample_surface(const Mesh& mesh, std::size_t count) {
+SurfaceSamples sample_input(const Mesh& mesh, std::size_t count) {
   const std::size_t faces = mesh.triangles.size();
   const auto corner = [&](std::uint32_t face, std::size_t k) -> const Vector3d& {
     return mesh.corner(FaceId(face), k);

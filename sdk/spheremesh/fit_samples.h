@@ -20,7 +20,7 @@ struct SurfaceSamples {
 
 /// `count` samples of a mesh in the unit frame, one in each of as many strips of the same area; the same on every run.
 /// None for a mesh without area.
-[[nodiscard]] SurfaceSamples sample_surface(const Mesh& mesh, std::size_t count);
+[[nodiscard]] SurfaceSamples sample_input(const Mesh& mesh, std::size_t count);
 
 /// A point of a union's boundary, or of one of its pieces.
 struct UnionSample {

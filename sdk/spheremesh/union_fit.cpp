@@ -118,7 +118,7 @@ class UnionFit::NormalEquations {
 };
 
 UnionFit::UnionFit(const Mesh& mesh, std::size_t samples)
-    : samples_(sample_surface(mesh, samples)), tree_(mesh), face_normals_(face_normals(mesh)) {
+    : samples_(sample_input(mesh, samples)), tree_(mesh), face_normals_(face_normals(mesh)) {
   const double area = surface_area(mesh);
   if (area > 0) density_ = static_cast<double>(samples) / area;
 }

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/io/write_mesh.h>
 #include <armature/sdk/mesh/report.h>
 #include <fmt/format.h>
 
 #include "tools/commands/commands.h"
+#include "tools/evaluation/shapes.h"
 #include "tools/json_lines.h"
 #include "tools/sdk_call.h"
 
@@ -96,6 +98,20 @@ Expected<void> info(const Arguments& arguments) {
   return {};
 }
 
+struct SampleArguments {
+  std::string shape, out;
+  int rounds = 6;
+};
+
+Expected<void> sample(const SampleArguments& arguments) {
+  const auto shape = [&] {
+    if (arguments.shape == "ball") return icosphere(arguments.rounds);
+    if (arguments.shape == "hollow-ball") return hollow_ball(arguments.rounds, 0.9);
+    return creature(arguments.rounds);
+  };
+  return ours(sdk::write_mesh(shape(), arguments.out));
+}
+
 }  // namespace
 
 void add_mesh(CLI::App& app, Run& run) {
@@ -112,6 +128,18 @@ void add_mesh(CLI::App& app, Run& run) {
       "Example:\n"
       "  armature mesh info elephant.off --json");
   shown->callback([arguments, &run] { run = [arguments] { return info(*arguments); }; });
+
+  auto samples = std::make_shared<SampleArguments>();
+  CLI::App* sampled = command->add_subcommand("sample", "Write a shape to try things on");
+  sampled->add_option("SHAPE", samples->shape, "creature, ball or hollow-ball")
+      ->required()
+      ->check(CLI::IsMember({"creature", "ball", "hollow-ball"}));
+  sampled->add_option("OUT", samples->out, "the mesh: .off, .obj or .ply")->required();
+  sampled->add_option("--rounds", samples->rounds, "times that every face is cut into four")
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str();
+  sampled->footer("Example:\n  armature mesh sample creature creature.off");
+  sampled->callback([samples, &run] { run = [samples] { return sample(*samples); }; });
 }
 
 }  // namespace armature::tools

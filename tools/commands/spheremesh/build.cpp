@@ -8,6 +8,7 @@
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
+#include <armature/sdk/spheremesh/fewest_spheres.h>
 #include <armature/sdk/spheremesh/refine.h>
 #include <fmt/format.h>
 
@@ -55,20 +56,31 @@ Expected<void> build(const BuildOptions& options) {
 
   const std::size_t spheres = options.spheres.value_or(kDefaultSpheres);
   sdk::HierarchyOptions settings = hierarchy_options(options);
-  if (options.hierarchy_out.empty()) settings.stop_at = spheres;
+  if (options.hierarchy_out.empty() && !options.error_percent) settings.stop_at = spheres;
   const auto built = ours(sdk::build_hierarchy(*mesh, settings, call.task()));
   if (!built) return fail(options.in + ": " + built.error().message);
+  const sdk::Hierarchy& hierarchy = built->hierarchy;
   if (!options.hierarchy_out.empty()) {
-    auto written = ours(sdk::write_hierarchy(built->hierarchy, options.hierarchy_out));
+    auto written = ours(sdk::write_hierarchy(hierarchy, options.hierarchy_out));
     if (!written) return written;
   }
-  auto shape = ours(built->hierarchy.level(spheres));
-  if (!shape) return fail(options.in + ": " + shape.error().message);
 
-  const auto before_refinement = std::chrono::steady_clock::now();
-  if (options.refine) shape = ours(sdk::refine(*mesh, *shape, {}, call.task()));
+  double refine_ms = 0;
+  const auto approximate = [&](std::size_t count) -> sdk::Expected<sdk::SphereMesh> {
+    auto level = hierarchy.level(count);
+    if (!level || !options.refine) return level;
+    const auto before = std::chrono::steady_clock::now();
+    auto refined = sdk::refine(*mesh, *level, {}, call.task());
+    refine_ms += milliseconds_since(before);
+    return refined;
+  };
+  const auto shape = ours(options.error_percent ? sdk::fewest_spheres(*mesh,
+                                                                      {.percent = *options.error_percent,
+                                                                       .least = hierarchy.min_spheres(),
+                                                                       .most = hierarchy.leaf_count()},
+                                                                      approximate, call.task())
+                                                : approximate(spheres));
   if (!shape) return fail(options.in + ": " + shape.error().message);
-  const double refine_ms = options.refine ? milliseconds_since(before_refinement) : 0;
 
   if (auto written = ours(sdk::write_sphere_mesh(*shape, options.out, call.task())); !written) return written;
   const sdk::BuildStatistics& took = built->statistics;
@@ -98,6 +110,13 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   command->add_option("OUT", options->out, "the sphere-mesh: .ma, .ply (with radius) or .urdf (spheres alone)")
       ->required();
   command->add_option("--spheres", options->spheres, "how many (default: 50)")->check(CLI::PositiveNumber);
+  command
+      ->add_option("--error", options->error_percent,
+                   "the fewest that keep the mean distance from the mesh to the spheres below so many percent of the "
+                   "bounding box's diagonal")
+      ->check(CLI::PositiveNumber)
+      ->type_name("PCT")
+      ->excludes("--spheres");
   command
       ->add_option("--importance", options->importance,
                    "how much more curved places count: 0 fits (default), 1 abstracts")
