@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
+#include <span>
 #include <string>
 
 #include <armature/sdk/hierarchy/build.h>
@@ -48,6 +50,78 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
   return {};
 }
 
+/// All that decimation works with; gone before the hierarchy is put together, which takes less.
+class Builder {
+ public:
+  Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights)
+      : options_(options),
+        shape_(NormalisedShape::of(mesh)),
+        origin_(shape_.origin),
+        scale_(shape_.scale),
+        metric_(shape_, {.weights = weights, .regularise = options.regularise, .by_increase = options.by_increase}),
+        complex_(vertex_count(), shape_.triangles, links_of_loose_vertices(shape_, options.labels)),
+        recorder_(shape_.positions.size()),
+        decimation_(metric_, complex_,
+                    {.keep_topology = options.keep_topology,
+                     .penalise_flips = options.penalise_flips,
+                     .labels = options.labels}),
+        wanted_(vertex_count() -
+                static_cast<std::uint32_t>(std::clamp<std::size_t>(options.stop_at, 1, vertex_count()))) {
+    for (const auto& [vertex, sphere] : options.pinned) {
+      const auto slot = static_cast<std::uint32_t>(vertex.index());
+      metric_.pin(slot, sphere ? Sphere{(sphere->centre - origin_) / scale_, sphere->radius / scale_}
+                               : Sphere{shape_.positions[slot], 0});
+    }
+    if (!options.keep_topology) add_links(links_through_the_solid(shape_, options.enrichment));
+    shape_ = {};
+    decimation_.offer(0);
+  }
+
+  /// False if the task was stopped.
+  bool decimate(const Task& task) {
+    const auto record = [&](std::uint32_t kept, std::uint32_t gone) {
+      recorder_.record(kept, gone, metric_.sphere(kept));
+    };
+    if (!decimation_.run(wanted_, task, record)) return false;
+    while (complex_.steps() < wanted_ && !options_.keep_topology) {
+      const std::uint32_t before = complex_.steps();
+      const auto roots = recorder_.roots();
+      std::vector<Eigen::Vector3d> centres;
+      centres.reserve(roots.size());
+      for (const auto slot : roots) centres.push_back(metric_.position(slot));
+      decimation_.offer(add_links(links_between_components(roots, centres)));
+      if (!decimation_.run(wanted_ - before, task, record)) return false;
+      if (complex_.steps() == before) break;
+    }
+    recorder_.take(complex_);
+    return true;
+  }
+
+  [[nodiscard]] std::uint32_t collapses() const noexcept { return complex_.steps(); }
+  [[nodiscard]] const Eigen::Vector3d& origin() const noexcept { return origin_; }
+  [[nodiscard]] double scale() const noexcept { return scale_; }
+  [[nodiscard]] Recorder take_recorder() noexcept { return std::move(recorder_); }
+
+ private:
+  [[nodiscard]] std::uint32_t vertex_count() const noexcept {
+    return static_cast<std::uint32_t>(shape_.positions.size());
+  }
+  std::uint32_t add_links(std::vector<CollapseComplex::Pair> links) {
+    std::erase_if(links, [&](const auto& link) { return complex_.joined(link[0], link[1]); });
+    return complex_.add_links(links);
+  }
+
+  const HierarchyOptions& options_;
+  NormalisedShape shape_;  // empty once all is set up
+  Eigen::Vector3d origin_;
+  double scale_;
+  SqemMetric metric_;
+  CollapseComplex complex_;
+  Recorder recorder_;
+  Decimation<SqemMetric> decimation_;
+  std::uint32_t wanted_;
+};
+
 }  // namespace
 
 Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options, const Task& task) {
@@ -58,47 +132,24 @@ Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOption
   if (weights.empty() && options.importance > 0) {
     auto importance = curvature_importance(mesh, options.importance, task);
     if (!importance) return tl::unexpected(importance.error());
-    weights = curved = std::move(*importance);
+    curved = std::move(*importance);
+    weights = curved;
   }
-  const auto shape = NormalisedShape::of(mesh);
-  const auto vertices = static_cast<std::uint32_t>(shape.positions.size());
-  SqemMetric metric(shape, {.weights = weights, .regularise = options.regularise});
-  for (const auto& [vertex, sphere] : options.pinned) {
-    const auto slot = static_cast<std::uint32_t>(vertex.index());
-    metric.pin(slot, sphere ? Sphere{(sphere->centre - shape.origin) / shape.scale, sphere->radius / shape.scale}
-                            : Sphere{shape.positions[slot], 0});
-  }
-  CollapseComplex complex(vertices, shape.triangles, links_of_loose_vertices(shape, options.labels));
-  Recorder recorder(shape);
-  const auto record = [&](std::uint32_t kept, std::uint32_t gone) {
-    recorder.record(kept, gone, metric.placement(kept));
-  };
-  Decimation<SqemMetric> decimation(
-      metric, complex,
-      {.keep_topology = options.keep_topology, .penalise_flips = options.penalise_flips, .labels = options.labels});
-  decimation.offer(0);
+  if (task.stopped()) return cancelled();
+  auto builder = std::make_unique<Builder>(mesh, options, weights);
   HierarchyBuild build;
   build.statistics.init_ms = milliseconds_since(start);
 
   const auto decimating = Clock::now();
-  const auto wanted = vertices - static_cast<std::uint32_t>(std::clamp<std::size_t>(options.stop_at, 1, vertices));
-  if (!decimation.run(wanted, task, record)) return cancelled();
-  while (complex.steps() < wanted && !options.keep_topology) {
-    const std::uint32_t before = complex.steps();
-    const auto roots = recorder.roots();
-    std::vector<Eigen::Vector3d> centres;
-    centres.reserve(roots.size());
-    for (const auto slot : roots) centres.push_back(metric.position(slot));
-    auto links = links_between_components(roots, centres);
-    std::erase_if(links, [&](const auto& link) { return complex.joined(link[0], link[1]); });
-    decimation.offer(complex.add_links(links));
-    if (!decimation.run(wanted - before, task, record)) return cancelled();
-    if (complex.steps() == before) break;
-  }
+  if (!builder->decimate(task)) return cancelled();
   build.statistics.decimate_ms = milliseconds_since(decimating);
-  build.statistics.collapses = complex.steps();
+  build.statistics.collapses = builder->collapses();
 
-  auto hierarchy = Hierarchy::assemble(recorder.finish(complex, shape));
+  const Eigen::Vector3d origin = builder->origin();
+  const double scale = builder->scale();
+  Recorder recorder = builder->take_recorder();
+  builder.reset();
+  auto hierarchy = Hierarchy::assemble(recorder.finish(mesh, origin, scale));
   if (!hierarchy) return tl::unexpected(hierarchy.error());
   build.hierarchy = std::move(*hierarchy);
   return build;

@@ -28,6 +28,7 @@ std::vector<Pair> edges_of_triangles(std::span<const Triangle> triangles) {
       if (t[k] != t[(k + 1) % 3]) edges.push_back(sorted_pair(t[k], t[(k + 1) % 3]));
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges.shrink_to_fit();
   return edges;
 }
 

@@ -1,7 +1,11 @@
 #include "sdk/hierarchy/links.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 namespace armature::sdk {
 namespace {
@@ -68,6 +72,70 @@ std::vector<Pair> links_of_loose_vertices(const NormalisedShape& shape, std::spa
         });
     links.push_back({nearest, v});
   }
+  return links;
+}
+
+std::vector<Pair> links_through_the_solid(const NormalisedShape& shape, double reach) {
+  if (!(reach > 0)) return {};
+  std::vector<Eigen::Vector3d> normals(shape.positions.size(), Eigen::Vector3d::Zero());
+  for (const auto& [a, b, c] : shape.triangles) {
+    const auto& p = shape.positions;
+    const Eigen::Vector3d cross = (p[b] - p[a]).cross(p[c] - p[a]);
+    for (const auto v : {a, b, c}) normals[v] += cross;
+  }
+
+  // Vertices by cell and octant, the first of each.
+  constexpr int kCellsPerReach = 3;
+  const double side = std::max(reach / kCellsPerReach, 1e-4);
+  const int around = static_cast<int>(std::ceil(std::min(reach, 1.0) / side));
+  const auto cell_of = [&](const Eigen::Vector3d& p) -> std::array<int, 3> {
+    return {static_cast<int>((p.x() + 0.5) / side), static_cast<int>((p.y() + 0.5) / side),
+            static_cast<int>((p.z() + 0.5) / side)};
+  };
+  const auto key_of = [](const std::array<int, 3>& cell, unsigned octant) {
+    std::uint64_t key = 0;
+    for (const int c : cell) key = key << 20 | (static_cast<std::uint64_t>(c + 8) & 0xFFFFFU);
+    return key << 3 | octant;
+  };
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> sites;
+  for (std::uint32_t v = 0; v < shape.positions.size(); ++v) {
+    if (!(normals[v].squaredNorm() > 0)) continue;
+    const unsigned octant =
+        (normals[v].x() < 0 ? 1U : 0U) | (normals[v].y() < 0 ? 2U : 0U) | (normals[v].z() < 0 ? 4U : 0U);
+    sites.emplace_back(key_of(cell_of(shape.positions[v]), octant), v);
+  }
+  std::sort(sites.begin(), sites.end());
+  sites.erase(std::unique(sites.begin(), sites.end(), [](const auto& x, const auto& y) { return x.first == y.first; }),
+              sites.end());
+
+  constexpr std::size_t kNearest = 4;
+  std::vector<Pair> links;
+  std::vector<std::pair<double, std::uint32_t>> near;
+  for (const auto& [key, a] : sites) {
+    near.clear();
+    const Eigen::Vector3d& p = shape.positions[a];
+    const auto home = cell_of(p);
+    for (int x = -around; x <= around; ++x)
+      for (int y = -around; y <= around; ++y) {
+        // One run of keys for a row of cells.
+        const std::array<int, 3> from{home[0] + x, home[1] + y, home[2] - around};
+        const std::array<int, 3> to{home[0] + x, home[1] + y, home[2] + around};
+        if (from[0] < -8 || from[1] < -8 || from[2] < -8) continue;
+        auto at = std::lower_bound(sites.begin(), sites.end(), std::pair{key_of(from, 0), std::uint32_t{0}});
+        for (; at != sites.end() && at->first <= key_of(to, 7); ++at) {
+          const std::uint32_t b = at->second;
+          const Eigen::Vector3d d = shape.positions[b] - p;
+          if (a == b || d.squaredNorm() >= reach * reach) continue;
+          if (normals[a].dot(d) > 0 || normals[b].dot(d) < 0 || normals[a].dot(normals[b]) >= 0) continue;
+          near.emplace_back(d.squaredNorm(), b);
+        }
+      }
+    std::sort(near.begin(), near.end());
+    if (near.size() > kNearest) near.resize(kNearest);
+    for (const auto& [distance, b] : near) links.push_back({std::min(a, b), std::max(a, b)});
+  }
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
   return links;
 }
 

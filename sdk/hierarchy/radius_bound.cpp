@@ -51,18 +51,24 @@ const std::array<Eigen::Vector3f, kDirections>& half_sphere_directions() noexcep
   return directions;
 }
 
+Extents Extents::of_point(const std::array<float, kDirections>& along) noexcept {
+  std::array<std::int16_t, kDirections> rounded;
+  // Adding a positive offset makes truncation round, and leaves a loop that compiles to vectors.
+  for (std::size_t k = 0; k < kDirections; ++k)
+    rounded[k] = static_cast<std::int16_t>(static_cast<int>(along[k] + 32768.5F) - 32768);
+  Extents point;
+  for (std::size_t k = 0; k < kBlock; ++k) {
+    point.values_[k] = rounded[k];
+    point.values_[kBlock + k] = static_cast<std::int16_t>(-rounded[k]);
+  }
+  point.values_[2 * kBlock] = rounded[kBlock];
+  point.values_[2 * kBlock + 1] = static_cast<std::int16_t>(-rounded[kBlock]);
+  return point;
+}
+
 std::vector<Extents> Extents::of_cells(const std::vector<Eigen::Vector3d>& positions,
                                        const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   std::vector<Extents> cells(positions.size());
-  const auto include = [](Extents& cell, const Projection& point) {
-    for (std::size_t k = 0; k < kDirections; ++k) {
-      const auto value = static_cast<std::int16_t>(std::lrintf(point[k]));
-      const std::size_t hi = k < kBlock ? k : 2 * kBlock;
-      const std::size_t lo = k < kBlock ? kBlock + k : 2 * kBlock + 1;
-      cell.values_[hi] = std::max(cell.values_[hi], value);
-      cell.values_[lo] = std::max(cell.values_[lo], static_cast<std::int16_t>(-value));
-    }
-  };
   for (const auto& triangle : triangles) {
     std::array<Projection, 3> corner;
     for (std::size_t i = 0; i < 3; ++i) corner[i] = project(positions[triangle[i]]);
@@ -72,9 +78,15 @@ std::vector<Extents> Extents::of_cells(const std::vector<Eigen::Vector3d>& posit
       centroid[k] = (corner[0][k] + corner[1][k] + corner[2][k]) * (1.0F / 3);
       for (std::size_t i = 0; i < 3; ++i) middle[i][k] = 0.5F * (corner[i][k] + corner[(i + 1) % 3][k]);
     }
+    const Extents inner = of_point(centroid);
+    std::array<Extents, 3> sides;
+    for (std::size_t i = 0; i < 3; ++i) sides[i] = of_point(middle[i]);
     for (std::size_t i = 0; i < 3; ++i) {
       Extents& cell = cells[triangle[i]];
-      for (const Projection* point : {&corner[i], &middle[i], &middle[(i + 2) % 3], &centroid}) include(cell, *point);
+      cell |= inner;
+      cell |= sides[i];
+      cell |= sides[(i + 2) % 3];
+      cell |= of_point(corner[i]);
     }
   }
   return cells;

@@ -69,6 +69,9 @@ class Extents {
                                                      const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
  private:
+  /// Of one point, by its coordinate along each direction in 65534ths of a unit.
+  [[nodiscard]] static Extents of_point(const std::array<float, kDirections>& along) noexcept;
+
   static constexpr std::size_t kBlock = 32;             // directions that fill whole registers; one is left over
   static constexpr std::size_t kSize = 2 * kBlock + 8;  // highest values, negated lowest, the last of each, nothing
   static constexpr std::int16_t kNothing = -32768;

@@ -5,20 +5,14 @@
 
 namespace armature::sdk {
 
-Recorder::Recorder(const NormalisedShape& shape) {
-  parts_.origin = shape.origin;
-  parts_.scale = shape.scale;
-  parts_.leaves.reserve(shape.positions.size());
-  for (const auto& p : shape.positions)
-    parts_.leaves.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
-  parts_.spheres.reserve(shape.positions.size());
-  parts_.children.reserve(shape.positions.size());
-  node_in_.resize(shape.positions.size());
+Recorder::Recorder(std::size_t vertices) : node_in_(vertices) {
+  parts_.spheres.reserve(vertices);
+  parts_.children.reserve(vertices);
   std::iota(node_in_.begin(), node_in_.end(), 0U);
 }
 
 void Recorder::record(std::uint32_t kept, std::uint32_t gone, const Sphere& sphere) {
-  const auto node = static_cast<std::uint32_t>(parts_.leaves.size() + parts_.children.size());
+  const auto node = static_cast<std::uint32_t>(node_in_.size() + parts_.children.size());
   parts_.children.push_back({node_in_[kept], node_in_[gone]});
   node_in_[kept] = node;
   node_in_[gone] = kNoIndex;
@@ -33,18 +27,30 @@ std::vector<std::uint32_t> Recorder::roots() const {
   return slots;
 }
 
-Hierarchy::Parts Recorder::finish(CollapseComplex& complex, const NormalisedShape& shape) {
-  sort_triangles(complex.take_deaths(), shape);
-  pair_wires(complex.take_wire_events());
+void Recorder::take(CollapseComplex& complex) {
+  deaths_ = complex.take_deaths();
+  wire_events_ = complex.take_wire_events();
+}
+
+Hierarchy::Parts Recorder::finish(const Mesh& mesh, const Eigen::Vector3d& origin, double scale) {
+  parts_.origin = origin;
+  parts_.scale = scale;
+  parts_.leaves.reserve(mesh.positions.size());
+  for (const auto& position : mesh.positions) {
+    const Eigen::Vector3f p = ((position - origin) / scale).cast<float>();
+    parts_.leaves.push_back({p.x(), p.y(), p.z()});
+  }
+  sort_triangles(mesh);
+  pair_wires();
   return std::move(parts_);
 }
 
-void Recorder::sort_triangles(const std::vector<std::uint32_t>& deaths, const NormalisedShape& shape) {
+void Recorder::sort_triangles(const Mesh& mesh) {
   const std::size_t levels = parts_.children.size() + 1;
   // ends[k]: how many triangles have k as their first level without them; those that stay count at the last place.
   std::vector<std::uint32_t> ends(levels + 1, 0);
   const auto end_of = [&](std::uint32_t death) { return death == kNoIndex ? levels : death; };
-  for (const auto death : deaths)
+  for (const auto death : deaths_)
     if (death != CollapseComplex::kNever) ++ends[end_of(death)];
   // What a level has are those that end after it, which stand before all others.
   parts_.lasting.resize(levels);
@@ -53,17 +59,20 @@ void Recorder::sort_triangles(const std::vector<std::uint32_t>& deaths, const No
   std::vector<std::uint32_t> place(parts_.lasting);
   place.push_back(0);
   parts_.triangles.resize(count);
-  for (std::size_t t = 0; t < deaths.size(); ++t)
-    if (deaths[t] != CollapseComplex::kNever) parts_.triangles[place[end_of(deaths[t])]++] = shape.triangles[t];
+  for (std::size_t t = 0; t < deaths_.size(); ++t) {
+    if (deaths_[t] == CollapseComplex::kNever) continue;
+    auto& corners = parts_.triangles[place[end_of(deaths_[t])]++];
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = static_cast<std::uint32_t>(mesh.triangles[t][k].index());
+  }
 }
 
-void Recorder::pair_wires(const std::vector<CollapseComplex::WireEvent>& events) {
+void Recorder::pair_wires() {
   const auto levels = static_cast<std::uint32_t>(parts_.children.size() + 1);
   std::uint32_t edges = 0;
-  for (const auto& event : events) edges = std::max(edges, event.edge + 1);
+  for (const auto& event : wire_events_) edges = std::max(edges, event.edge + 1);
   std::vector<std::uint32_t> open(edges, kNoIndex);
   auto& wires = parts_.wire_edges;
-  for (const auto& event : events) {
+  for (const auto& event : wire_events_) {
     if (event.a == kNoIndex) {
       wires[open[event.edge]].last = event.level;
       continue;

@@ -8,7 +8,9 @@ namespace armature::sdk {
 
 SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
     : pivot_(options.regularise > 0 ? 0 : options.pivot),
+      by_increase_(options.by_increase),
       quadrics_(shape.positions.size()),
+      errors_(shape.positions.size()),
       extents_(Extents::of_cells(shape.positions, shape.triangles)) {
   spheres_.reserve(shape.positions.size());
   for (const auto& position : shape.positions) spheres_.push_back({position, 0});
@@ -31,6 +33,7 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
                                                              weight * options.regularise);
     }
   }
+  for (std::size_t v = 0; v < quadrics_.size(); ++v) errors_[v] = quadrics_[v].c;
 }
 
 void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
@@ -38,21 +41,23 @@ void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
   pinned_[slot] = true;
   quadrics_[slot] = quadrics_[slot].translated(spheres_[slot].centre - sphere.centre);
   spheres_[slot] = sphere;
+  errors_[slot] = std::max(quadrics_[slot]({Eigen::Vector3d::Zero(), sphere.radius}), 0.0);
 }
 
-SphereFit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept {
+SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,
+                                       std::uint32_t b) const noexcept {
   const Sphere& sphere = spheres_[pinned_[a] ? a : b];
   const Sphere seen_from_a{sphere.centre - spheres_[a].centre, sphere.radius};
   const double cost =
       pinned_[a] && pinned_[b] ? std::numeric_limits<double>::infinity() : std::max(quadric(seen_from_a), 0.0);
-  return {seen_from_a, cost, FitCase::Interior};
+  return {{seen_from_a, cost, FitCase::Interior}};
 }
 
-SphereFit SqemMetric::weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept {
+SqemMetric::Fit SqemMetric::weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept {
   const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
-  if (weight(a) > 0) return {{Eigen::Vector3d::Zero(), spheres_[a].radius}, 0, FitCase::AtRadius};
-  if (weight(b) > 0) return {{offset, spheres_[b].radius}, 0, FitCase::AtRadius};
-  return {{0.5 * offset, 0}, 0, FitCase::AtMidpoint};
+  if (weight(a) > 0) return {{{Eigen::Vector3d::Zero(), spheres_[a].radius}, 0, FitCase::AtRadius}};
+  if (weight(b) > 0) return {{{offset, spheres_[b].radius}, 0, FitCase::AtRadius}};
+  return {{{0.5 * offset, 0}, 0, FitCase::AtMidpoint}};
 }
 
 }  // namespace armature::sdk

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,12 +16,16 @@ namespace armature::sdk {
 /// centre rounding would decide between collapses of fine meshes, and the answer would change with the model's place.
 class SqemMetric {
  public:
-  using Placement = Sphere;
-
   struct Options {
-    std::span<const double> weights;  ///< the importance by vertex, or empty: 1
-    double regularise = 0;            ///< eps
-    double pivot = 1e-3;              ///< see SphereDomain; not used with a regulariser
+    std::span<const double> weights;      ///< the importance by vertex, or empty: 1
+    double regularise = 0;                ///< eps
+    bool by_increase = false;             ///< rank by what a collapse adds to the error, not by the error of the union
+    double pivot = SphereDomain{}.pivot;  ///< not used with a regulariser
+  };
+
+  /// A fit seen from one of the two spheres.
+  struct Fit : SphereFit {
+    [[nodiscard]] Eigen::Vector3d& centre() noexcept { return sphere.centre; }
   };
 
   SqemMetric(const NormalisedShape& shape, const Options& options);
@@ -30,26 +34,32 @@ class SqemMetric {
   void pin(std::uint32_t slot, const Sphere& sphere);
 
   /// The best sphere of the union, its centre relative to that of `a`; at infinite cost if both are pinned.
-  [[nodiscard]] SphereFit fit(std::uint32_t a, std::uint32_t b) const noexcept {
+  [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept {
     const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
     SphericalQuadric quadric = quadrics_[b].translated(offset);
     quadric += quadrics_[a];
     if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
     if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
-    return minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_,
-                      [&] { return kRadiusPerWidth * static_cast<double>(smallest_extent(extents_[a], extents_[b])); });
+    return {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
+      return kRadiusPerWidth * static_cast<double>(smallest_extent(extents_[a], extents_[b]));
+    })};
   }
 
-  void merge(std::uint32_t kept, std::uint32_t gone, const SphereFit& from_kept) noexcept {
+  [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b, const Fit& fit) const noexcept {
+    return by_increase_ ? std::max(fit.cost - errors_[a] - errors_[b], 0.0) : fit.cost;
+  }
+
+  void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept {
     SphericalQuadric quadric = quadrics_[gone].translated(spheres_[gone].centre - spheres_[kept].centre);
     quadric += quadrics_[kept];
     quadrics_[kept] = quadric.translated(-from_kept.sphere.centre);
     spheres_[kept] = {spheres_[kept].centre + from_kept.sphere.centre, from_kept.sphere.radius};
+    errors_[kept] = from_kept.cost;
     extents_[kept] |= extents_[gone];
     if (!pinned_.empty() && pinned_[gone]) pinned_[kept] = true;
   }
 
-  [[nodiscard]] const Sphere& placement(std::uint32_t slot) const noexcept { return spheres_[slot]; }
+  [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return spheres_[slot]; }
   [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept { return spheres_[slot].centre; }
 
  private:
@@ -57,13 +67,15 @@ class SqemMetric {
   static constexpr double kRadiusPerWidth = 0.75;
 
   [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return quadrics_[slot].a[9]; }
-  [[nodiscard]] SphereFit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
+  [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
-  [[nodiscard]] SphereFit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
+  [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
 
   double pivot_;
+  bool by_increase_;
   std::vector<SphericalQuadric> quadrics_;
   std::vector<Sphere> spheres_;
+  std::vector<double> errors_;  // of the slot's own sphere
   std::vector<Extents> extents_;
   std::vector<bool> pinned_;  // by slot; empty if none is
 };

@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include <armature/sdk/distance/measure.h>
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/hierarchy/hierarchy.h>
 #include <armature/sdk/io/read_mesh.h>
@@ -141,6 +142,91 @@ TEST(Build, IsTheSameAtEveryScaleAndPlace) {
         EXPECT_NEAR(level->spheres[k].radius, scale * expected->spheres[k].radius, 1e-4 * scale);
     }
   }
+}
+
+/// Two parallel square plates of cells x cells that face away from each other: a thin solid without rim.
+Mesh plates(std::size_t cells, double thickness) {
+  Mesh mesh;
+  for (const double z : {0.0, thickness}) {
+    const std::size_t first = mesh.positions.size();
+    for (std::size_t y = 0; y <= cells; ++y)
+      for (std::size_t x = 0; x <= cells; ++x)
+        mesh.positions.emplace_back(static_cast<double>(x), static_cast<double>(y), z);
+    const auto at = [&](std::size_t x, std::size_t y) { return VertexId(first + y * (cells + 1) + x); };
+    for (std::size_t y = 0; y < cells; ++y)
+      for (std::size_t x = 0; x < cells; ++x)
+        for (auto triangle :
+             {Triangle{at(x, y), at(x + 1, y), at(x + 1, y + 1)}, Triangle{at(x, y), at(x + 1, y + 1), at(x, y + 1)}}) {
+          if (z == 0) std::swap(triangle[1], triangle[2]);
+          mesh.triangles.push_back(triangle);
+        }
+  }
+  return mesh;
+}
+
+/// How many of a level's spheres stand for vertices of both plates.
+std::size_t spheres_across(const Hierarchy& hierarchy, const Mesh& mesh, std::size_t spheres) {
+  std::size_t across = 0;
+  for (const auto node : hierarchy.nodes_of_level(spheres)) {
+    bool low = false, high = false;
+    for (const auto vertex : hierarchy.vertices(node)) (mesh.position(vertex).z() > 0 ? high : low) = true;
+    across += low && high ? 1U : 0U;
+  }
+  return across;
+}
+
+TEST(Build, JoinsThroughTheSolidOnlyWithEnrichment) {
+  const auto mesh = plates(12, 0.8);
+  EXPECT_EQ(spheres_across(hierarchy_of(mesh), mesh, 10), 0U);
+  EXPECT_GT(spheres_across(hierarchy_of(mesh, {.enrichment = 0.1}), mesh, 10), 0U);
+  // The same plates facing each other enclose nothing.
+  auto hollow = mesh;
+  for (auto& p : hollow.positions) p.z() = -p.z();
+  EXPECT_EQ(spheres_across(hierarchy_of(hollow, {.enrichment = 0.1}), hollow, 10), 0U);
+}
+
+TEST(Build, RegionsOfGreatWeightGetMoreSpheres) {
+  const auto mesh = ball(4);
+  HierarchyOptions options;
+  for (const auto& p : mesh.positions) options.weights.push_back(p.z() > 0 ? 100 : 1);
+  std::size_t upper = 0;
+  const auto level = hierarchy_of(mesh, options).level(40);
+  ASSERT_TRUE(level);
+  for (const auto& sphere : level->spheres) upper += sphere.centre.z() > 0 ? 1U : 0U;
+  EXPECT_GT(upper, 25U);
+}
+
+TEST(Build, GivesNoCentreOrRadiusThatIsNotFinite) {
+  auto flat = soup(60);
+  for (auto& p : flat.positions) p.z() = 0;
+  auto point = soup(20);
+  for (auto& p : point.positions) p = Eigen::Vector3d(1, 2, 3);
+  for (const auto& mesh : {soup(60), flat, point})
+    for (const auto& options : {HierarchyOptions{}, HierarchyOptions::paper(), HierarchyOptions{.enrichment = 0.2}}) {
+      const auto hierarchy = hierarchy_of(mesh, options);
+      for (std::size_t k = 0; k < hierarchy.node_count(); ++k) {
+        const auto sphere = hierarchy.sphere(NodeId(k));
+        EXPECT_TRUE(sphere.centre.allFinite());
+        EXPECT_GE(sphere.radius, 0);
+      }
+    }
+}
+
+/// Of the elephant; the thesis's table 4.1 is held against what the tool prints.
+TEST(Build, HasTheSizesOfTheThesisWithItsSettings) {
+  const std::filesystem::path path = "../shared/data/meshes/elephant_24955.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const auto mesh = read_mesh(path);
+  ASSERT_TRUE(mesh);
+  const auto level = hierarchy_of(*mesh, HierarchyOptions::paper()).level(45);
+  ASSERT_TRUE(level);
+  EXPECT_NEAR(static_cast<double>(level->edges.size()), 6, 4);
+  EXPECT_NEAR(static_cast<double>(level->triangles.size()), 68, 4);
+  const auto errors = measure(*mesh, *level, {.samples = 5000});
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->hausdorff, 1.1 * 3.357);
+  EXPECT_LT(errors->mean_input_to_approximation, 1.1 * 0.564);
+  EXPECT_LT(errors->mean_approximation_to_input, 1.1 * 0.620);
 }
 
 TEST(Build, RefusesWhatItCannotUse) {

@@ -28,8 +28,11 @@ struct HierarchyOptions {
   /// The integral over the region of so much times |q - x|^2 is added to its error, in units of the bounding box's
   /// diagonal: it decides where the planes leave a sphere free to slide. 0 is the thesis's method.
   double regularise = 1e-4;
+  /// Collapses are ranked by how much they add to the error of all regions, the sum that is to be small (equation 4.3);
+  /// else, as in the thesis, by the error of the region that they make.
+  bool by_increase = true;
   /// Vertices nearer than so much of the bounding box's diagonal may be joined through the solid, although no edge
-  /// joins them (section 4.6.5). 0: none.
+  /// joins them (section 4.6.5). 0: none. Not with `keep_topology`.
   double enrichment = 0;
   /// Collapses that turn a triangle over come last.
   bool penalise_flips = true;
@@ -42,7 +45,7 @@ struct HierarchyOptions {
   std::size_t stop_at = 1;
 
   /// The settings of the thesis's results.
-  [[nodiscard]] static HierarchyOptions paper() { return {.importance = 1, .regularise = 0}; }
+  [[nodiscard]] static HierarchyOptions paper() { return {.importance = 1, .regularise = 0, .by_increase = false}; }
 };
 
 /// What a build took.

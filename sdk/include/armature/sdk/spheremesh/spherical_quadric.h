@@ -59,7 +59,7 @@ struct SphereDomain {
   /// A centre is determined if no direction's pivot is below this part of A's radius entry (twice the weighted area).
   /// Measured as det / (sum of principal 2x2 minors) of what is left of A once the radius is eliminated, which lies
   /// between a third of the smallest eigenvalue and the eigenvalue, in any frame.
-  double pivot = 1e-3;
+  double pivot = 1e-4;
 };
 
 /// How a minimum was found (section 4.6.2).
