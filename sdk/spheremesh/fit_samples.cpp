@@ -44,10 +44,11 @@ std::vector<std::uint32_t> order_on_curve(std::size_t count, const auto& point) 
 /// Takes samples of all pieces, before what others cover is left out.
 class PieceSampler {
  public:
-  PieceSampler(const UnionGauge& gauge, double density, const std::vector<bool>& only)
+  PieceSampler(const UnionGauge& gauge, double density, const PieceFilter& only)
       : gauge_(gauge), density_(density), only_(only) {}
 
   std::vector<UnionSample> take() {
+    find_opposite_corners();
     sample_spheres();
     for (std::size_t e = 0; e < gauge_.edge_count(); ++e) sample_cone(e);
     for (std::size_t f = 0; f < gauge_.facets().size(); ++f) sample_facets(f);
@@ -61,7 +62,7 @@ class PieceSampler {
     double limit;
   };
 
-  [[nodiscard]] bool wanted(std::uint32_t corner) const { return only_.empty() || only_[corner]; }
+  [[nodiscard]] bool wanted(const Corners& corners) const { return !only_ || only_(corners); }
 
   /// How many samples a piece of this area gets; what rounding takes from one piece the next ones get back.
   std::size_t share(double area) noexcept {
@@ -87,7 +88,7 @@ class PieceSampler {
       }
     }
     for (std::uint32_t k = 0; k < count; ++k) {
-      if (!wanted(k)) continue;
+      if (!wanted({k, k, k})) continue;
       const Sphere& s = gauge_.spheres()[k];
       const std::size_t n = share(4 * pi * s.radius * s.radius);
       for (std::size_t i = 0; i < n; ++i) {
@@ -101,10 +102,30 @@ class PieceSampler {
     }
   }
 
+  /// The third corners of the triangles at each edge.
+  void find_opposite_corners() {
+    opposite_.resize(gauge_.edge_count());
+    for (std::size_t f = 0; f < gauge_.facets().size(); ++f) {
+      const auto [a, b, c] = gauge_.facet_corners(f);
+      opposite_[gauge_.edge_between(a, b)].push_back(c);
+      opposite_[gauge_.edge_between(b, c)].push_back(a);
+      opposite_[gauge_.edge_between(a, c)].push_back(b);
+    }
+  }
+
+  /// Whether a triangle at the edge covers the line of its cone with this normal: its third sphere reaches farther.
+  [[nodiscard]] bool covered(std::size_t e, const Vector3d& normal) const {
+    const auto& spheres = gauge_.spheres();
+    const Sphere& a = spheres[gauge_.edge_corners(e)[0]];
+    return std::any_of(opposite_[e].begin(), opposite_[e].end(), [&](std::uint32_t c) {
+      return normal.dot(spheres[c].centre - a.centre) + spheres[c].radius - a.radius > 1e-9;
+    });
+  }
+
   void sample_cone(std::size_t e) {
     const EdgeGauge& edge = gauge_.edges()[e];
     const auto [a, b] = gauge_.edge_corners(e);
-    if (edge.length == 0 || !(wanted(a) || wanted(b))) return;
+    if (edge.length == 0 || !wanted({a, b, b})) return;
     const double ra = edge.radius_a;
     const double growth = edge.radius_b - ra;
     const double slant = edge.length * edge.cosine;
@@ -117,14 +138,19 @@ class PieceSampler {
       const bool straight = std::abs(growth) < 1e-9 * (ra + edge.radius_b);
       const double t = straight ? place : (std::sqrt(ra * ra + place * growth * (2 * ra + growth)) - ra) / growth;
       const Vector3d d = edge.cosine * (std::cos(2 * pi * turn) * x + std::sin(2 * pi * turn) * y) - edge.g * edge.u;
-      samples_.push_back({edge.centre(t * edge.length) + (ra + t * growth) * d, d, {a, b, b}, {1 - t, t, 0}});
+      if (!covered(e, d))
+        samples_.push_back({edge.centre(t * edge.length) + (ra + t * growth) * d,
+                            d,
+                            {a, b, b},
+                            {1 - t, t, 0},
+                            static_cast<std::uint32_t>(e)});
     }
   }
 
   void sample_facets(std::size_t f) {
     const FacetGauge& facet = gauge_.facets()[f];
     const auto [a, b, c] = gauge_.facet_corners(f);
-    if (!facet.exists || !(wanted(a) || wanted(b) || wanted(c))) return;
+    if (!facet.exists || !wanted({a, b, c})) return;
     const auto& s = gauge_.spheres();
     for (const double sign : {1.0, -1.0}) {
       const Vector3d d = facet.normal(sign);
@@ -135,14 +161,19 @@ class PieceSampler {
       for (std::size_t i = 0; i < n; ++i) {
         auto [v, w] = even_place(i);
         if (v + w > 1) v = 1 - v, w = 1 - w;
-        samples_.push_back({pa + v * ab + w * ac, d, {a, b, c}, {1 - v - w, v, w}});
+        samples_.push_back({pa + v * ab + w * ac,
+                            d,
+                            {a, b, c},
+                            {1 - v - w, v, w},
+                            static_cast<std::uint32_t>(gauge_.edge_count() + f)});
       }
     }
   }
 
   const UnionGauge& gauge_;
   double density_;
-  const std::vector<bool>& only_;
+  const PieceFilter& only_;
+  std::vector<std::vector<std::uint32_t>> opposite_;  // by edge
   double due_ = 0.5;
   std::vector<UnionSample> samples_;
 };
@@ -192,7 +223,7 @@ SurfaceSamples sample_input(const Mesh& mesh, std::size_t count) {
   return samples;
 }
 
-std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density, const std::vector<bool>& only) {
+std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density, const PieceFilter& only) {
   constexpr double kTouching = 1e-7;  // a point of one piece that another one only touches is not covered
   const std::vector<UnionSample> taken = PieceSampler(gauge, density, only).take();
   const std::vector<std::uint32_t> order =

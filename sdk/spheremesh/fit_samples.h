@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,17 +23,23 @@ struct SurfaceSamples {
 /// None for a mesh without area.
 [[nodiscard]] SurfaceSamples sample_input(const Mesh& mesh, std::size_t count);
 
+/// Which pieces are meant, by their corners.
+using PieceFilter = std::function<bool(const Corners&)>;
+
 /// A point of a union's boundary, or of one of its pieces.
 struct UnionSample {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;  ///< outward, of unit length
   Corners corners{};       ///< of the interpolated sphere that it lies on
   std::array<double, 3> weights{};
+  std::uint32_t piece = kSphere;  ///< as UnionTouch names it, or:
+
+  static constexpr std::uint32_t kSphere = 0xFFFFFFFF;  ///< part of a sphere at a corner
 };
 
 /// Samples of the boundary of a union, cavities included, `density` to an area, in an order that keeps near ones
-/// together. If `only` is not empty, of those pieces alone that have a corner with only[corner] = true.
+/// together; of the pieces that `only` picks, if it is given.
 [[nodiscard]] std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density,
-                                                    const std::vector<bool>& only = {});
+                                                    const PieceFilter& only = {});
 
 }  // namespace armature::sdk

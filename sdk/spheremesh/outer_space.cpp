@@ -70,21 +70,33 @@ void OuterSpace::take(const UnionGauge& gauge, const NearbyPieces& pieces, const
 }
 
 void OuterSpace::flood() {
-  std::vector<std::array<int, 3>> open{{0, 0, 0}};
-  cells_[0] = Cell::Outer;
+  // The margin is free and ends in a layer that is not entered, so that no step leaves the grid.
+  const auto row = static_cast<std::size_t>(extent_[0]);
+  const std::size_t layer = row * static_cast<std::size_t>(extent_[1]);
+  const std::array<std::ptrdiff_t, 6> steps{1,
+                                            -1,
+                                            static_cast<std::ptrdiff_t>(row),
+                                            -static_cast<std::ptrdiff_t>(row),
+                                            static_cast<std::ptrdiff_t>(layer),
+                                            -static_cast<std::ptrdiff_t>(layer)};
+  for (int z = 0; z < extent_[2]; ++z)
+    for (int y = 0; y < extent_[1]; ++y) {
+      const bool face = z == 0 || y == 0 || z + 1 == extent_[2] || y + 1 == extent_[1];
+      const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(index({0, y, z}));
+      if (face) std::fill_n(begin, row, Cell::Outer);
+      begin[0] = begin[extent_[0] - 1] = Cell::Outer;
+    }
+  std::vector<std::uint32_t> open{static_cast<std::uint32_t>(index({1, 1, 1}))};
+  cells_[open[0]] = Cell::Outer;
   while (!open.empty()) {
-    const std::array<int, 3> at = open.back();
+    const std::ptrdiff_t at = open.back();
     open.pop_back();
-    for (std::size_t k = 0; k < 3; ++k)
-      for (const int step : {-1, 1}) {
-        std::array<int, 3> next = at;
-        next[k] += step;
-        if (next[k] < 0 || next[k] >= extent_[k]) continue;
-        Cell& cell = cells_[index(next)];
-        if (cell != Cell::Free) continue;
-        cell = Cell::Outer;
-        open.push_back(next);
-      }
+    for (const std::ptrdiff_t step : steps) {
+      Cell& cell = cells_[static_cast<std::size_t>(at + step)];
+      if (cell != Cell::Free) continue;
+      cell = Cell::Outer;
+      open.push_back(static_cast<std::uint32_t>(at + step));
+    }
   }
 }
 

@@ -13,8 +13,10 @@ namespace armature::sdk {
 /// its cavities. Gaps narrower than about a cell are taken for closed.
 class OuterSpace {
  public:
+  static constexpr int kCells = 80;
+
   /// A grid with this many cells along the longest side of the union.
-  OuterSpace(const UnionGauge& gauge, int cells);
+  explicit OuterSpace(const UnionGauge& gauge, int cells = kCells);
 
   [[nodiscard]] double cell_size() const noexcept { return size_; }
   /// Whether a boundary point with this outward normal looks into the outer space.

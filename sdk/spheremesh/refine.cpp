@@ -2,11 +2,15 @@
 #include <cmath>
 #include <string>
 
+#include <armature/sdk/distance/sphere_mesh_tree.h>
 #include <armature/sdk/spheremesh/make_sphere_mesh.h>
 #include <armature/sdk/spheremesh/refine.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "sdk/hierarchy/normalised_shape.h"
-#include "sdk/spheremesh/union_fit.h"
+#include "sdk/spheremesh/surface_bounds.h"
+#include "sdk/spheremesh/union_search.h"
 
 namespace armature::sdk {
 namespace {
@@ -38,7 +42,7 @@ Expected<void> check(const SphereMesh& start, const RefineOptions& options) {
     if (id.index() >= count)
       return fail("refine: sphere " + std::to_string(id.index()) + " is pinned, but there are " +
                   std::to_string(count));
-  if (options.iterations < 0) return fail("refine: iterations must not be negative");
+  if (options.rounds < 0 || options.steps < 0) return fail("refine: rounds and steps must not be negative");
   if (!(options.tail >= 0) || !std::isfinite(options.tail)) return fail("refine: tail must be finite and not negative");
   return {};
 }
@@ -51,6 +55,7 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   if (shape.spheres.empty() || mesh.triangles.empty()) return shape;
 
   const NormalisedShape normalised = NormalisedShape::of(mesh);
+  const Mesh unit = unit_mesh(normalised);
   for (Sphere& s : shape.spheres) {
     s.centre = (s.centre - normalised.origin) / normalised.scale;
     s.radius /= normalised.scale;
@@ -59,25 +64,48 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   constexpr std::size_t kPerSphere = 50;
   const std::size_t samples =
       options.samples > 0 ? options.samples : std::max(kFewest, kPerSphere * shape.spheres.size());
-  UnionFit fit(unit_mesh(normalised), samples);
+  UnionFit fit(unit, samples);
   if (fit.samples().points.empty()) return start;
 
   std::vector<bool> fixed(shape.spheres.size(), false);
   for (const SphereId id : options.pinned) fixed[id.index()] = true;
   fit.loss.tail = options.tail;
+  constexpr double kForbidden = 20;
+  if (options.mode == FitMode::Inner) fit.loss.outside = kForbidden;
+  if (options.mode == FitMode::Outer) fit.loss.missing = kForbidden;
   // Far is what is several times the mean distance, which falls with the number of spheres.
   const FitError before = fit.error(shape);
   fit.loss.far = std::clamp(6 * 0.5 * (before.forward + before.back), 2e-3, 0.05);
-  fit.improve(shape, options.iterations, fixed, task);
+  search(fit, shape, {.rounds = options.rounds, .steps = options.steps}, fixed, task);
   if (task.stopped()) return cancelled();
 
+  constexpr double kPart = 5e-4;
+  if (options.mode == FitMode::Inner) retreat(unit, shape, fixed, kPart);
+  if (options.mode == FitMode::Outer) enclose(unit, shape, fixed, kPart);
+  const double rounding = options.mode == FitMode::Outer ? 1e-9 : 0;
   for (std::size_t k = 0; k < shape.spheres.size(); ++k) {
     Sphere& s = shape.spheres[k];
     s.centre = normalised.origin + normalised.scale * s.centre;
-    s.radius *= normalised.scale;
+    s.radius = normalised.scale * (s.radius + rounding);
     if (fixed[k]) s = start.spheres[k];
   }
   return shape;
+}
+
+std::vector<SphereId> nearest_spheres(const Mesh& mesh, const SphereMesh& shape) {
+  const SphereMeshTree tree(shape);
+  std::vector<SphereId> nearest(mesh.positions.size());
+  constexpr std::size_t kGrain = 256;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nearest.size(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t k = range.begin(); k < range.end(); ++k) {
+                        const NearestSphere found = tree.nearest(mesh.positions[k]);
+                        Eigen::Index most = 0;
+                        found.weights.maxCoeff(&most);
+                        nearest[k] = found.spheres[static_cast<std::size_t>(most)];
+                      }
+                    });
+  return nearest;
 }
 
 }  // namespace armature::sdk

@@ -18,20 +18,19 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 
-constexpr int kOuterCells = 80;
-constexpr int kOuterLasts = 3;  // iterations: cavities change slowly
+constexpr int kOuterLasts = 5;  // iterations: cavities change slowly
 constexpr double kLongestStep = 0.03;
 
 }  // namespace
 
-double FitLoss::cost(double distance) const noexcept {
+double FitLoss::cost(double distance, double share) const noexcept {
   const double d = std::abs(distance);
-  return std::sqrt(d * d + round * round) - round + tail * far * std::pow(d / far, power);
+  return share * (std::sqrt(d * d + round * round) - round) + tail * far * std::pow(d / far, power);
 }
 
-double FitLoss::weight(double distance) const noexcept {
+double FitLoss::weight(double distance, double share) const noexcept {
   const double d = std::abs(distance);
-  return 1 / std::sqrt(d * d + round * round) + tail * power / far * std::pow(d / far, power - 2);
+  return share / std::sqrt(d * d + round * round) + tail * power / far * std::pow(d / far, power - 2);
 }
 
 /// The matrix of all centres and radii: a 4x4 block for every sphere and every pair of an edge.
@@ -121,27 +120,87 @@ UnionFit::UnionFit(const Mesh& mesh, std::size_t samples)
     : samples_(sample_input(mesh, samples)), tree_(mesh), face_normals_(face_normals(mesh)) {
   const double area = surface_area(mesh);
   if (area > 0) density_ = static_cast<double>(samples) / area;
+  plain_.assign(samples_.points.size(), 1);
+  sample_count_ = static_cast<double>(std::max<std::size_t>(1, samples_.points.size()));
+
+  std::vector<std::array<std::uint32_t, 2>> order(mesh.positions.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = {place_on_curve(mesh.positions[k]), k};
+  std::sort(order.begin(), order.end());
+  const std::vector<Vector3d> normals = vertex_normals(mesh);
+  for (const auto& [place, k] : order) {
+    if (normals[k].isZero()) continue;  // on no face
+    vertices_.push_back(mesh.positions[k]);
+    vertex_normals_.push_back(normals[k]);
+  }
+}
+
+double UnionFit::watch_far_vertices(const UnionGauge& gauge) {
+  constexpr std::size_t kMost = 96;
+  constexpr double kApart = 0.01;
+  const auto samples = static_cast<std::size_t>(sample_count_);
+  samples_.points.resize(samples), samples_.normals.resize(samples), plain_.resize(samples);
+  if (vertices_.empty()) return 0;
+
+  std::vector<UnionTouch> touches(vertices_.size());
+  touch_all(gauge, vertices_, touches);
+  std::vector<std::uint32_t> order(vertices_.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+  const auto distance = [&](std::uint32_t k) { return std::abs(touches[k].distance); };
+  const std::size_t head = std::min<std::size_t>(order.size(), 40 * kMost);
+  std::partial_sort(
+      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(head), order.end(),
+      [&](std::uint32_t a, std::uint32_t b) { return std::pair(-distance(a), a) < std::pair(-distance(b), b); });
+  for (std::size_t i = 0; i < head && samples_.points.size() < samples + kMost; ++i) {
+    const Vector3d& p = vertices_[order[i]];
+    const auto watched = std::span(samples_.points).subspan(samples);
+    if (distance(order[i]) < 0.5 * loss.far) break;
+    if (std::any_of(watched.begin(), watched.end(),
+                    [&](const Vector3d& q) { return (p - q).squaredNorm() < kApart * kApart; }))
+      continue;
+    samples_.points.push_back(p);
+    samples_.normals.push_back(vertex_normals_[order[i]]);
+    plain_.push_back(0);
+  }
+  return distance(order[0]);
 }
 
 void UnionFit::forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) const {
   const std::size_t count = samples_.points.size();
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(1, count));
   rows.resize(count);
-  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
-  for_each_block(
-      gauge, samples_.points, kAnywhere, [&](const NearbyPieces& pieces, std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          const Vector3d& p = samples_.points[k];
-          const UnionTouch touch = gauge.touch(pieces, p);
-          const Vector3d away = p - blend(gauge.spheres(), touch.corners, touch.weights).centre;
-          const double length = away.norm();
-          const Vector3d d = length > 1e-12 ? Vector3d(away / length) : samples_.normals[k];
-          const double scale = share * loss.side(touch.distance);
-          rows[k] = {
-              touch.distance, scale * loss.weight(touch.distance), scale * loss.cost(touch.distance), touch.corners,
-              touch.weights,  Vector4d(d[0], d[1], d[2], 1)};
-        }
-      });
+  std::vector<UnionTouch> touches(count);
+  touch_all(gauge, samples_.points, touches);
+  for (std::size_t k = 0; k < count; ++k) {
+    const UnionTouch& touch = touches[k];
+    const Vector3d away = samples_.points[k] - blend(gauge.spheres(), touch.corners, touch.weights).centre;
+    const double length = away.norm();
+    const Vector3d d = length > 1e-12 ? Vector3d(away / length) : samples_.normals[k];
+    rows[k] = {touch.distance, forward_weight(k, touch.distance), forward_cost(k, touch.distance), touch.corners,
+               touch.weights,  Vector4d(d[0], d[1], d[2], 1)};
+  }
+}
+
+UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, FaceId& hint) const {
+  const SurfacePoint q = tree_.closest(y.point, {.hint = hint});
+  hint = q.face;
+  const Vector3d& normal = face_normals_[q.face.index()];
+  const Vector3d to_input = q.point - y.point;
+  const bool within = to_input.dot(normal) > 0;
+  // The wall of a cavity lies within the input and, near its surface, looks the other way.
+  const double shallow = y.normal.dot(normal) < 0.3 ? 2e-3 : 2 * outer.cell_size();
+  if (within && q.distance > shallow && !outer.sees(y.point, y.normal))
+    return {0, 0, 0, y.corners, y.weights, Vector4d::Zero()};
+  Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
+  double residual = q.distance;
+  const double along = direction.dot(y.normal);
+  const double sign = along < 0 ? -1 : 1;
+  direction *= sign, residual *= sign;
+  const double side = loss.side(within ? 1 : -1);
+  return {residual,
+          side * loss.weight(residual),
+          side * loss.cost(residual),
+          y.corners,
+          y.weights,
+          Vector4d(direction[0], direction[1], direction[2], std::abs(along))};
 }
 
 void UnionFit::back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::vector<Row>& rows) const {
@@ -151,36 +210,36 @@ void UnionFit::back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boundary.size(), kGrain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       FaceId hint;
-                      for (std::size_t k = range.begin(); k < range.end(); ++k) {
-                        const UnionSample& y = boundary[k];
-                        const SurfacePoint q = tree_.closest(y.point, {.hint = hint});
-                        hint = q.face;
-                        const Vector3d& normal = face_normals_[q.face.index()];
-                        const Vector3d to_input = q.point - y.point;
-                        const bool within = to_input.dot(normal) > 0;
-                        // The wall of a cavity lies within the input and, near its surface, looks the other way.
-                        const double shallow = y.normal.dot(normal) < 0.3 ? 2e-3 : 2 * outer.cell_size();
-                        if (within && q.distance > shallow && !outer.sees(y.point, y.normal)) {
-                          rows[k].weight = rows[k].cost = rows[k].residual = 0;
-                          continue;
-                        }
-                        Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
-                        double residual = q.distance;
-                        const double along = direction.dot(y.normal);
-                        const double sign = along < 0 ? -1 : 1;
-                        direction *= sign, residual *= sign;
-                        const double side = loss.side(within ? 1 : -1);
-                        rows[k] = {residual,
-                                   side * loss.weight(residual),
-                                   side * loss.cost(residual),
-                                   y.corners,
-                                   y.weights,
-                                   Vector4d(direction[0], direction[1], direction[2], std::abs(along))};
-                      }
+                      for (std::size_t k = range.begin(); k < range.end(); ++k)
+                        rows[k] = back_row(boundary[k], outer, hint);
                     });
   std::erase_if(rows, [](const Row& row) { return row.weight == 0; });
   const double share = 1 / static_cast<double>(std::max<std::size_t>(1, rows.size()));
   for (Row& row : rows) row.weight *= share, row.cost *= share;
+}
+
+double UnionFit::back_cost(const UnionGauge& gauge, const OuterSpace& outer, const PieceFilter& pieces,
+                           double thin) const {
+  double sum = 0;
+  FaceId hint;
+  for (const UnionSample& y : sample_union(gauge, density_ / thin, pieces)) sum += back_row(y, outer, hint).cost;
+  return sum * thin / sample_count_;
+}
+
+std::vector<double> UnionFit::back_costs(const UnionGauge& gauge, const OuterSpace& outer) const {
+  const std::vector<UnionSample> boundary = sample_union(gauge, density_);
+  std::vector<double> costs(boundary.size());
+  constexpr std::size_t kGrain = 64;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boundary.size(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      FaceId hint;
+                      for (std::size_t k = range.begin(); k < range.end(); ++k)
+                        costs[k] = back_row(boundary[k], outer, hint).cost;
+                    });
+  std::vector<double> sums(gauge.edge_count() + gauge.facets().size(), 0);
+  for (std::size_t k = 0; k < boundary.size(); ++k)
+    if (boundary[k].piece != UnionSample::kSphere) sums[boundary[k].piece] += costs[k] / sample_count_;
+  return sums;
 }
 
 std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSpace& outer, FitError& error) const {
@@ -189,23 +248,23 @@ std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSp
   forward_rows(gauge, forward);
   back_rows(gauge, outer, back);
   error = {};
-  const auto sum = [&](const std::vector<Row>& rows, double& mean, double& worst) {
-    for (const Row& row : rows) {
-      error.loss += row.cost;
-      mean += std::abs(row.residual);
-      worst = std::max(worst, std::abs(row.residual));
+  const auto sum = [&](std::span<const Row> rows, std::size_t plain, double& mean, double& worst) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      error.loss += rows[k].cost;
+      if (k < plain) mean += std::abs(rows[k].residual);
+      worst = std::max(worst, std::abs(rows[k].residual));
     }
-    mean /= static_cast<double>(std::max<std::size_t>(1, rows.size()));
+    mean /= static_cast<double>(std::max<std::size_t>(1, plain));
   };
-  sum(forward, error.forward, error.worst_forward);
-  sum(back, error.back, error.worst_back);
+  sum(forward, static_cast<std::size_t>(sample_count_), error.forward, error.worst_forward);
+  sum(back, back.size(), error.back, error.worst_back);
   forward.insert(forward.end(), back.begin(), back.end());
   return forward;
 }
 
 FitError UnionFit::error(const SphereMesh& shape) const {
   const UnionGauge gauge(shape);
-  const OuterSpace outer(gauge, kOuterCells);
+  const OuterSpace outer(gauge);
   FitError error;
   static_cast<void>(rows(gauge, outer, error));
   return error;
@@ -214,7 +273,7 @@ FitError UnionFit::error(const SphereMesh& shape) const {
 FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<bool>& fixed, const Task& task) const {
   UnionGauge gauge(shape);
   NormalEquations equations(gauge);
-  std::optional<OuterSpace> outer(std::in_place, gauge, kOuterCells);
+  std::optional<OuterSpace> outer(std::in_place, gauge);
   FitError error;
   std::vector<Row> at = rows(gauge, *outer, error);
   equations.assemble(at);
@@ -223,7 +282,7 @@ FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<
   int outer_age = 0;
   for (int k = 0; k < iterations && !task.stopped(); ++k) {
     if (outer_age >= kOuterLasts) {
-      outer.emplace(gauge, kOuterCells);
+      outer.emplace(gauge);
       outer_age = 0;
       at = rows(gauge, *outer, error);
       equations.assemble(at);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -45,6 +46,12 @@ class UnionGauge {
   /// A sphere on no edge counts as an edge whose ends are the same.
   [[nodiscard]] const std::array<std::uint32_t, 2>& edge_corners(std::size_t edge) const noexcept {
     return edge_corners_[edge];
+  }
+  /// The edge with these ends, which must exist.
+  [[nodiscard]] std::size_t edge_between(std::uint32_t a, std::uint32_t b) const noexcept {
+    const std::array ends{std::min(a, b), std::max(a, b)};
+    return static_cast<std::size_t>(std::lower_bound(edge_corners_.begin(), edge_corners_.end(), ends) -
+                                    edge_corners_.begin());
   }
   [[nodiscard]] const Corners& facet_corners(std::size_t facet) const noexcept { return facet_corners_[facet]; }
 
