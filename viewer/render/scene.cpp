@@ -94,10 +94,10 @@ void Scene::add_facets(const sdk::SphereTriangle& triangle, Content& content) co
 void Scene::add_structure(const sdk::SphereMesh& shape, Content& content) const {
   // Many spheres are drawn thinner, so that they stay apart.
   const double crowd = std::sqrt(60.0 / std::max<double>(60, static_cast<double>(shape.spheres.size())));
-  const double thin = 0.0075 * crowd * frame_.radius;
+  const double thin = 0.006 * crowd * frame_.radius;
   const double triangle_side = 0.6 * thin;
   for (const sdk::Sphere& sphere : shape.spheres)
-    add_ball({sphere.centre, std::max(2.4 * thin, 0.3 * sphere.radius)}, palette_.sphere, content);
+    add_ball({sphere.centre, std::max(2.2 * thin, 0.3 * sphere.radius)}, palette_.sphere, content);
   const auto add_tube = [&](sdk::SphereId a, sdk::SphereId b, double radius, const sdk::Colour& colour) {
     add_cone({{shape.sphere(a).centre, radius}, {shape.sphere(b).centre, radius}}, colour, content);
   };
