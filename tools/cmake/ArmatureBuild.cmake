@@ -54,6 +54,11 @@ function(armature_module name)
   target_link_libraries(armature_${name} PUBLIC ${arg_PUBLIC} PRIVATE armature_warnings ${arg_PRIVATE})
 endfunction()
 
+# The environment of tests under sanitizers: what other people's libraries do is not for us to mend.
+set(ARMATURE_SANITIZER_OPTIONS
+  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt"
+  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.txt")
+
 # armature_test(NAME SOURCES a.cpp... LIBS lib...)
 #   Declares the GoogleTest program NAME_test, one ctest entry a program. Tests run from the project's root.
 function(armature_test name)
@@ -71,9 +76,7 @@ function(armature_test name)
   set_tests_properties(${name} PROPERTIES WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" TIMEOUT ${arg_TIMEOUT}
     SKIP_RETURN_CODE 77)
   if(ARMATURE_SANITIZE)
-    # What other people's libraries do is not for us to mend.
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT
-      "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.txt")
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT "${ARMATURE_SANITIZER_OPTIONS}")
   endif()
 endfunction()
 
