@@ -22,6 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sdk/io/file_bytes.h"
 #include "sdk/io/mesh_parsers.h"
 #include "sdk/io/polygons.h"
 
@@ -231,6 +232,7 @@ Expected<Mesh> import_apart(const Source& source, const Task& task) {
 }  // namespace
 
 Expected<Mesh> read_by_assimp(const std::filesystem::path& path, const Task& task) {
+  if (auto readable = check_readable(path); !readable) return tl::unexpected(readable.error());
   return import_apart({.name = path.string()}, task);
 }
 

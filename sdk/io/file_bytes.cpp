@@ -20,6 +20,12 @@ std::string reason(int error) {
 
 }  // namespace
 
+Expected<void> check_readable(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return fail(path.string() + ": cannot be read: " + reason(errno));
+  return {};
+}
+
 Expected<std::string> read_file_bytes(const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
   if (!file) return fail(path.string() + ": cannot be read: " + reason(errno));

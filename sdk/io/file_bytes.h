@@ -8,6 +8,9 @@
 
 namespace armature::sdk {
 
+/// Whether a file is there and may be read.
+[[nodiscard]] Expected<void> check_readable(const std::filesystem::path& path);
+
 /// A file as one string. The path stands before the reason of a failure.
 [[nodiscard]] Expected<std::string> read_file_bytes(const std::filesystem::path& path);
 

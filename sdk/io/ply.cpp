@@ -93,6 +93,7 @@ class PlyParser {
       if (!std::isfinite(r) || r < 0) return rows_.expected("a radius that is finite and not negative", shown(r));
       content_.radii.push_back(r);
     }
+    if (rows_.surplus()) content_.polygons.vertex_colours.clear();
     return {};
   }
 
@@ -117,6 +118,7 @@ class PlyParser {
       }
       if (colour) polygons.polygon_colours.push_back(colour->of(rows_));
     }
+    if (rows_.surplus()) polygons.polygon_colours.clear();
     return {};
   }
 

@@ -52,6 +52,7 @@ Expected<void> PlyRows::begin(const PlyElement& element, std::optional<std::size
   element_ = &element;
   wanted_ = list;
   row_ = 0;
+  surplus_ = false;
   values_.assign(element.properties.size(), 0);
   std::size_t least = 0;
   for (const PlyProperty& property : element.properties)
@@ -90,7 +91,10 @@ Expected<void> PlyRows::next_line() {
       if (wanted_ == i) list_.push_back(value);
     }
   }
-  if (!scanner_.at_line_end()) return scanner_.expected("the end of the line", scanner_.word());
+  // Some programs write more than their header says.
+  double more = 0;
+  for (; !scanner_.at_line_end(); surplus_ = true)
+    if (auto read = number(more); !read) return read;
   return {};
 }
 

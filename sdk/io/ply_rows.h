@@ -34,6 +34,10 @@ class PlyRows {
   /// The list that was wanted.
   [[nodiscard]] std::span<const double> list() const noexcept { return list_; }
 
+  /// Whether a line of this element held more numbers than the header says, so that properties may not be what they
+  /// are called. Text only: binary content would have lost its step.
+  [[nodiscard]] bool surplus() const noexcept { return surplus_; }
+
   /// What stands for the file in messages.
   [[nodiscard]] std::string_view name() const noexcept { return name_; }
   /// Bytes walked past.
@@ -60,6 +64,7 @@ class PlyRows {
   std::optional<std::size_t> wanted_;
   std::vector<double> values_;
   std::vector<double> list_;
+  bool surplus_ = false;
 };
 
 }  // namespace armature::sdk

@@ -34,11 +34,11 @@ Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& o
   if (task.stopped()) return cancelled();
   task.report("reading", 0);
   const MeshFormat format = options.format.value_or(mesh_format_of(path));
+  // The formats that assimp reads may refer to other files beside this one.
+  if (format == MeshFormat::Other) return read_by_assimp(path, task);
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  // The formats that assimp reads may refer to other files beside this one.
-  auto mesh =
-      format == MeshFormat::Other ? read_by_assimp(path, task) : parse_mesh(*bytes, format, path.string(), task);
+  auto mesh = parse_mesh(*bytes, format, path.string(), task);
   if (mesh) task.report("reading", 1);
   return mesh;
 }

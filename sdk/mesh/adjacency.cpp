@@ -78,7 +78,8 @@ void Adjacency::find_edges(const Mesh& mesh) {
 }
 
 void Adjacency::find_neighbours() {
-  auto& [starts, neighbours] = vertex_neighbours_;
+  std::vector<std::uint32_t>& starts = vertex_neighbours_.starts;
+  std::vector<VertexId>& neighbours = vertex_neighbours_.elements;
   starts.assign(vertex_faces_.starts.size(), 0);
   for (const auto& [a, b] : edges_) {
     ++starts[a.index() + 1];

@@ -30,6 +30,7 @@ Patches agree_within_patches(const Mesh& mesh, const Adjacency& adjacency) {
     patch.assign(1, FaceId(i));
     double turned_area = 0;
     double kept_area = 0;
+    bool orientable = true;
     for (std::size_t next = 0; next < patch.size(); ++next) {
       const FaceId face = patch[next];
       const bool turned = result.turned[face.index()];
@@ -45,11 +46,15 @@ Patches agree_within_patches(const Mesh& mesh, const Adjacency& adjacency) {
           result.turned[neighbour.index()] = turned != same_way;
           patch.push_back(neighbour);
         } else if (result.turned[neighbour.index()] != (turned != same_way)) {
-          result.orientable = false;
+          orientable = false;
         }
       }
     }
-    if (turned_area > kept_area)
+    result.orientable = result.orientable && orientable;
+    // What has one side only stays as it is.
+    if (!orientable)
+      for (const FaceId face : patch) result.turned[face.index()] = false;
+    else if (turned_area > kept_area)
       for (const FaceId face : patch) result.turned[face.index()] = !result.turned[face.index()];
   }
   return result;

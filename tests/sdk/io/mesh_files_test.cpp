@@ -180,6 +180,17 @@ TEST(Obj, SaysWhereAndWhatWasExpected) {
   EXPECT_EQ(message_of(three, MeshFormat::Obj), "shape: expected at least one face; it has none");
 }
 
+TEST(Obj, ATruncatedPrefixIsRefusedUnlessItIsAShorterFile) {
+  const std::string whole = "v 0.5 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nv 1 1 1 1\nf 1/1/1 2/2/2 3/3/3\nf 2//1 3//1 4//1\n";
+  const std::size_t first_face = whole.find("3/3/3");
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    const auto mesh = parse_mesh(whole.substr(0, length), MeshFormat::Obj, "shape");
+    if (!mesh) continue;
+    EXPECT_GT(length, first_face);
+    EXPECT_EQ(mesh->positions.size(), 4U);
+  }
+}
+
 TEST(Obj, RefusesAPolygonOfMoreThanTenThousandCorners) {
   std::string text = "v 0 0 0\nf";
   for (int i = 0; i < 10'001; ++i) text += " 1";
@@ -224,6 +235,8 @@ TEST(MeshFiles, AMissingFileIsNamed) {
   const auto mesh = read_mesh("nowhere.off");
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().message, "nowhere.off: cannot be read: No such file or directory");
+  EXPECT_EQ(read_mesh("nowhere.gltf").error().message, "nowhere.gltf: cannot be read: No such file or directory");
+  EXPECT_EQ(read_mesh(".", {.format = MeshFormat::Obj}).error().message, ".: cannot be read: Is a directory");
 }
 
 TEST(MeshFiles, StopWhenAsked) {

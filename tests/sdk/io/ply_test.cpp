@@ -74,6 +74,15 @@ TEST(Ply, EveryTruncatedPrefixIsRefused) {
   }
 }
 
+TEST(Ply, EveryTruncatedPrefixOfATextIsRefused) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}};
+  const std::string whole = encode_mesh(mesh, MeshFormat::Ply, true).value();
+  for (std::size_t length = 0; length + 1 < whole.size(); ++length)
+    ASSERT_NE(refusal(whole.substr(0, length)), "accepted") << length;
+}
+
 TEST(Ply, ReadsTextWithLinesFromWindows) {
   EXPECT_EQ(refusal("ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float y\r\n"
                     "property float z\r\nelement face 1\r\nproperty list uchar int vertex_indices\r\nend_header\r\n"
@@ -141,10 +150,21 @@ TEST(Ply, SaysWhereAndWhatWasExpected) {
             "shape, line 13: expected the number of a vertex below 3; found '0.500000'");
   EXPECT_EQ(refusal(head + vertices + faces + three + "2 0 1\n"),
             "shape, line 13: expected a face of 3 to 10000 corners; found '2'");
-  EXPECT_EQ(refusal(head + vertices + faces + three + "3 0 1 2 9\n"),
-            "shape, line 13: expected the end of the line; found '9'");
+  EXPECT_EQ(refusal(head + vertices + faces + three + "3 0 1 2 x\n"),
+            "shape, line 13: expected a number of face 1 of 1; found 'x'");
   EXPECT_EQ(refusal(head + vertices + faces + three + "3 0 1 2\n5\n"),
             "shape, line 14: expected nothing behind the last element; found '5'");
+}
+
+TEST(Ply, ReadsLinesThatHoldMoreThanTheHeaderSaysButNotTheirColours) {
+  const auto mesh = parse_mesh(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
+      "property uchar blue\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 1 1 1 1 1\n",
+      MeshFormat::Ply, "shape");
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->triangles.size(), 1U);
+  EXPECT_TRUE(mesh->face_colours.empty());
 }
 
 TEST(Ply, AHeaderThatClaimsBillionsOfElementsIsRefusedAtOnce) {

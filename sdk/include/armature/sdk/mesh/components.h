@@ -19,7 +19,7 @@ enum class LinkedBy : std::uint8_t {
 struct Components {
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;  ///< of a face that names a vertex twice
   std::vector<std::uint32_t> of_face = {};             ///< by FaceId
-  std::size_t count = 0;
+  std::size_t count = 0;                               ///< of the parts
 };
 
 /// Finds the parts. Faces that name a vertex twice are left out, as `Adjacency` does.

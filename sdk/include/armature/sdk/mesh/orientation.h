@@ -23,9 +23,10 @@ namespace armature::sdk {
 [[nodiscard]] std::vector<double> signed_volumes(const Mesh& mesh, const Components& components);
 
 /// Which faces, by FaceId, must be turned over for all to point outward. Faces linked by edges that have two faces are
-/// made to agree with the larger part of their area. Then a shell (a component linked by edges) of negative volume is
-/// turned over together with all that lies within it, unless it lies within another: an inner shell keeps its relation
-/// to the shell around it, so that cavities stay cavities. Open shells are turned where they are bent clearly.
+/// made to agree with the larger part of their area, unless they have one side only. Then a shell (a component linked
+/// by edges) of negative volume is turned over together with all that lies within it, unless it lies within another: an
+/// inner shell keeps its relation to the shell around it, so that cavities stay cavities. Open shells are turned where
+/// they are bent clearly.
 [[nodiscard]] Expected<std::vector<bool>> find_inward_faces(const Mesh& mesh, const Adjacency& adjacency,
                                                             const Task& task = {});
 

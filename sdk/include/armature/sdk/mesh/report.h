@@ -13,9 +13,9 @@ namespace armature::sdk {
 
 /// What a mesh is like. Faces that name a vertex twice count as degenerate and are otherwise left out.
 struct MeshReport {
-  std::size_t vertices = 0;
-  std::size_t faces = 0;
-  std::size_t edges = 0;
+  std::size_t vertices = 0;              ///< on a face or not
+  std::size_t faces = 0;                 ///< degenerate ones included
+  std::size_t edges = 0;                 ///< undirected
   std::size_t components = 0;            ///< parts without a common vertex; unused vertices are none
   std::size_t boundary_loops = 0;        ///< see `find_boundary_loops()`; chains between non-manifold edges included
   std::size_t boundary_edges = 0;        ///< of one face
@@ -30,9 +30,9 @@ struct MeshReport {
   /// The number of handles, summed over the components, each boundary loop closed by a disc: (2 components - Euler
   /// characteristic - loops) / 2. Nothing where an edge or vertex is non-manifold, or the surface has one side only.
   std::optional<std::int64_t> genus = {};
-  double bbox_diagonal = 0;
-  double area = 0;
-  double volume = 0;  ///< sum of `signed_volumes()`; what the surface encloses where it is closed and oriented
+  double bbox_diagonal = 0;  ///< see `bounding_box_diagonal()`
+  double area = 0;           ///< of all faces
+  double volume = 0;         ///< sum of `signed_volumes()`; what the surface encloses where it is closed and oriented
 };
 
 /// Looks at everything above. Takes time linear in the mesh, but for meshes with many nested components.
