@@ -46,6 +46,11 @@ sdk::HierarchyOptions hierarchy_options(const BuildOptions& options) {
   return result;
 }
 
+sdk::FitMode fit_mode(const BuildOptions& options) {
+  if (options.inner) return sdk::FitMode::Inner;
+  return options.outer ? sdk::FitMode::Outer : sdk::FitMode::Best;
+}
+
 Expected<void> build(const BuildOptions& options) {
   SdkCall call;
   reset_peak_memory();
@@ -68,9 +73,10 @@ Expected<void> build(const BuildOptions& options) {
   double refine_ms = 0;
   const auto approximate = [&](std::size_t count) -> sdk::Expected<sdk::SphereMesh> {
     auto level = hierarchy.level(count);
-    if (!level || !options.refine) return level;
+    const bool refines = options.refine || options.inner || options.outer;
+    if (!level || !refines) return level;
     const auto before = std::chrono::steady_clock::now();
-    auto refined = sdk::refine(*mesh, *level, {}, call.task());
+    auto refined = sdk::refine(*mesh, *level, {.mode = fit_mode(options)}, call.task());
     refine_ms += milliseconds_since(before);
     return refined;
   };
@@ -131,10 +137,18 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh");
   command->add_flag("--paper", options->paper, "the settings of the thesis: importance 1, regularise 0");
   command->add_flag("--refine", options->refine, "then fit what is interpolated between the spheres, both ways");
+  CLI::Option* inner = command->add_flag("--inner", options->inner, "refine so that the spheres stay within the mesh");
+  command->add_flag("--outer", options->outer, "refine so that the spheres enclose the mesh, for collision tests")
+      ->excludes(inner);
   command->add_option("--hierarchy", options->hierarchy_out, "also store every level, for `spheremesh level`")
       ->type_name("OUT.smh");
   command->add_flag("--json", options->json, "one JSON object: counts, times in milliseconds, memory");
-  command->footer("Example:\n  armature spheremesh build cow.obj cow.ma --spheres 60");
+  command->footer(
+      "Lengths do not matter: what is relative is relative to the diagonal of the mesh's bounding box.\n\n"
+      "Examples:\n"
+      "  armature spheremesh build cow.obj cow.ma --spheres 60 --refine\n"
+      "  armature spheremesh build cow.obj cow.urdf --error 0.5 --outer\n"
+      "  armature spheremesh build cow.obj cow.ma --hierarchy cow.smh");
   command->callback([options, &run] { run = [options] { return build(*options); }; });
 }
 
