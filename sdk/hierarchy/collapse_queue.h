@@ -48,15 +48,28 @@ class CollapseQueue {
 
   void sink(std::size_t at, std::uint64_t entry) noexcept {
     const std::size_t size = heap_.size();
-    for (std::size_t child = kChildren * at + 1; child < size; child = kChildren * at + 1) {
-      const auto first = heap_.begin() + static_cast<std::ptrdiff_t>(child);
-      const auto least =
-          std::min_element(first, first + static_cast<std::ptrdiff_t>(std::min(kChildren, size - child)));
-      if (entry <= *least) break;
-      heap_[at] = *least;
-      at = static_cast<std::size_t>(least - heap_.begin());
+    std::uint64_t* const heap = heap_.data();
+    std::size_t child = kChildren * at + 1;
+    for (; child + kChildren <= size; child = kChildren * at + 1) {
+      // Which of four is least is chance: selected without a branch.
+      const std::size_t low = child + (heap[child + 1] < heap[child] ? 1 : 0);
+      const std::size_t high = child + 2 + (heap[child + 3] < heap[child + 2] ? 1 : 0);
+      const std::size_t least = heap[high] < heap[low] ? high : low;
+      if (entry <= heap[least]) {
+        heap[at] = entry;
+        return;
+      }
+      heap[at] = heap[least];
+      at = least;
     }
-    heap_[at] = entry;
+    if (child < size) {
+      const std::size_t least = static_cast<std::size_t>(std::min_element(heap + child, heap + size) - heap);
+      if (heap[least] < entry) {
+        heap[at] = heap[least];
+        at = least;
+      }
+    }
+    heap[at] = entry;
   }
 
   std::vector<std::uint64_t> heap_;

@@ -9,11 +9,17 @@ namespace {
 using Projection = std::array<float, kDirections>;
 
 Projection project(const Eigen::Vector3d& point) noexcept {
+  // Each coordinate of all directions in a row, so that the loop compiles to vectors.
+  static const auto rows = [] {
+    std::array<Projection, 3> list;
+    for (std::size_t k = 0; k < kDirections; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        list[axis][k] = half_sphere_directions()[k][static_cast<Eigen::Index>(axis)];
+    return list;
+  }();
   const Eigen::Vector3f p = point.cast<float>() * 65534.0F;
-  const auto& directions = half_sphere_directions();
   Projection along;
-  for (std::size_t k = 0; k < kDirections; ++k)
-    along[k] = p.x() * directions[k].x() + p.y() * directions[k].y() + p.z() * directions[k].z();
+  for (std::size_t k = 0; k < kDirections; ++k) along[k] = p.x() * rows[0][k] + p.y() * rows[1][k] + p.z() * rows[2][k];
   return along;
 }
 
@@ -72,15 +78,17 @@ std::vector<Extents> Extents::of_cells(const std::vector<Eigen::Vector3d>& posit
   for (const auto& triangle : triangles) {
     std::array<Projection, 3> corner;
     for (std::size_t i = 0; i < 3; ++i) corner[i] = project(positions[triangle[i]]);
-    Projection centroid;
-    std::array<Projection, 3> middle;  // of the edge from corner i
-    for (std::size_t k = 0; k < kDirections; ++k) {
-      centroid[k] = (corner[0][k] + corner[1][k] + corner[2][k]) * (1.0F / 3);
-      for (std::size_t i = 0; i < 3; ++i) middle[i][k] = 0.5F * (corner[i][k] + corner[(i + 1) % 3][k]);
+    Projection between;
+    for (std::size_t k = 0; k < kDirections; ++k)
+      between[k] = (corner[0][k] + corner[1][k] + corner[2][k]) * (1.0F / 3);
+    const Extents inner = of_point(between);
+    std::array<Extents, 3> sides;  // the middle of the edge from corner i
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Projection& from = corner[i];
+      const Projection& to = corner[(i + 1) % 3];
+      for (std::size_t k = 0; k < kDirections; ++k) between[k] = 0.5F * (from[k] + to[k]);
+      sides[i] = of_point(between);
     }
-    const Extents inner = of_point(centroid);
-    std::array<Extents, 3> sides;
-    for (std::size_t i = 0; i < 3; ++i) sides[i] = of_point(middle[i]);
     for (std::size_t i = 0; i < 3; ++i) {
       Extents& cell = cells[triangle[i]];
       cell |= inner;

@@ -9,12 +9,9 @@ namespace armature::sdk {
 SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
     : pivot_(options.regularise > 0 ? 0 : options.pivot),
       by_increase_(options.by_increase),
-      quadrics_(shape.positions.size()),
-      errors_(shape.positions.size()),
+      regions_(shape.positions.size()),
       extents_(Extents::of_cells(shape.positions, shape.triangles)) {
-  spheres_.reserve(shape.positions.size());
-  for (const auto& position : shape.positions) spheres_.push_back({position, 0});
-
+  for (std::size_t v = 0; v < regions_.size(); ++v) regions_[v].sphere.centre = shape.positions[v];
   for (const auto& triangle : shape.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = triangle[k];
@@ -25,38 +22,39 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
       const double length = cross.norm();
       if (!(length > 0)) continue;
       const double weight = options.weights.empty() ? 1 : options.weights[v];
-      quadrics_[v] += SphericalQuadric::of_plane(Eigen::Vector3d::Zero(), cross / length, weight * length / 6);
+      regions_[v].quadric += SphericalQuadric::of_plane(Eigen::Vector3d::Zero(), cross / length, weight * length / 6);
       if (!(options.regularise > 0)) continue;
       const Eigen::Vector3d centroid = (p + q) / 3;
       for (const Eigen::Vector3d& middle : {Eigen::Vector3d(p / 2), Eigen::Vector3d(q / 2)})
-        quadrics_[v] += SphericalQuadric::of_triangle_spread({Eigen::Vector3d::Zero(), middle, centroid},
-                                                             weight * options.regularise);
+        regions_[v].quadric += SphericalQuadric::of_triangle_spread({Eigen::Vector3d::Zero(), middle, centroid},
+                                                                    weight * options.regularise);
     }
   }
-  for (std::size_t v = 0; v < quadrics_.size(); ++v) errors_[v] = quadrics_[v].c;
+  for (Region& region : regions_) region.error = region.quadric.c;
 }
 
 void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
-  pinned_.resize(spheres_.size(), false);
+  pinned_.resize(regions_.size(), false);
   pinned_[slot] = true;
-  quadrics_[slot] = quadrics_[slot].translated(spheres_[slot].centre - sphere.centre);
-  spheres_[slot] = sphere;
-  errors_[slot] = std::max(quadrics_[slot]({Eigen::Vector3d::Zero(), sphere.radius}), 0.0);
+  Region& region = regions_[slot];
+  region.quadric = region.quadric.translated(region.sphere.centre - sphere.centre);
+  region.sphere = sphere;
+  region.error = std::max(region.quadric({Eigen::Vector3d::Zero(), sphere.radius}), 0.0);
 }
 
 SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,
                                        std::uint32_t b) const noexcept {
-  const Sphere& sphere = spheres_[pinned_[a] ? a : b];
-  const Sphere seen_from_a{sphere.centre - spheres_[a].centre, sphere.radius};
+  const Sphere& sphere = regions_[pinned_[a] ? a : b].sphere;
+  const Sphere seen_from_a{sphere.centre - regions_[a].sphere.centre, sphere.radius};
   const double cost =
       pinned_[a] && pinned_[b] ? std::numeric_limits<double>::infinity() : std::max(quadric(seen_from_a), 0.0);
   return {{seen_from_a, cost, FitCase::Interior}};
 }
 
 SqemMetric::Fit SqemMetric::weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept {
-  const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
-  if (weight(a) > 0) return {{{Eigen::Vector3d::Zero(), spheres_[a].radius}, 0, FitCase::AtRadius}};
-  if (weight(b) > 0) return {{{offset, spheres_[b].radius}, 0, FitCase::AtRadius}};
+  const Eigen::Vector3d offset = regions_[b].sphere.centre - regions_[a].sphere.centre;
+  if (weight(a) > 0) return {{{Eigen::Vector3d::Zero(), regions_[a].sphere.radius}, 0, FitCase::AtRadius}};
+  if (weight(b) > 0) return {{{offset, regions_[b].sphere.radius}, 0, FitCase::AtRadius}};
   return {{{0.5 * offset, 0}, 0, FitCase::AtMidpoint}};
 }
 

@@ -35,9 +35,9 @@ class SqemMetric {
 
   /// The best sphere of the union, its centre relative to that of `a`; at infinite cost if both are pinned.
   [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept {
-    const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
-    SphericalQuadric quadric = quadrics_[b].translated(offset);
-    quadric += quadrics_[a];
+    const Eigen::Vector3d offset = regions_[b].sphere.centre - regions_[a].sphere.centre;
+    SphericalQuadric quadric = regions_[b].quadric.translated(offset);
+    quadric += regions_[a].quadric;
     if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
     if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
     return {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
@@ -46,38 +46,47 @@ class SqemMetric {
   }
 
   [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b, const Fit& fit) const noexcept {
-    return by_increase_ ? std::max(fit.cost - errors_[a] - errors_[b], 0.0) : fit.cost;
+    return by_increase_ ? std::max(fit.cost - regions_[a].error - regions_[b].error, 0.0) : fit.cost;
   }
 
   void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept {
-    SphericalQuadric quadric = quadrics_[gone].translated(spheres_[gone].centre - spheres_[kept].centre);
-    quadric += quadrics_[kept];
-    quadrics_[kept] = quadric.translated(-from_kept.sphere.centre);
-    spheres_[kept] = {spheres_[kept].centre + from_kept.sphere.centre, from_kept.sphere.radius};
-    errors_[kept] = from_kept.cost;
+    Region& region = regions_[kept];
+    const Region& other = regions_[gone];
+    SphericalQuadric quadric = other.quadric.translated(other.sphere.centre - region.sphere.centre);
+    quadric += region.quadric;
+    region.quadric = quadric.translated(-from_kept.sphere.centre);
+    region.sphere = {region.sphere.centre + from_kept.sphere.centre, from_kept.sphere.radius};
+    region.error = from_kept.cost;
     extents_[kept] |= extents_[gone];
     if (!pinned_.empty() && pinned_[gone]) pinned_[kept] = true;
   }
 
-  [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return spheres_[slot]; }
-  [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept { return spheres_[slot].centre; }
+  [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return regions_[slot].sphere; }
+  [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept {
+    return regions_[slot].sphere.centre;
+  }
 
  private:
+  /// What stands in a slot, as a fit reads it.
+  struct Region {
+    SphericalQuadric quadric;  ///< about the sphere's centre
+    double error = 0;          ///< of the sphere
+    Sphere sphere;
+  };
+
   /// 2 R = 3/2 W.
   static constexpr double kRadiusPerWidth = 0.75;
 
-  [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return quadrics_[slot].a[9]; }
+  [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
   [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
 
   double pivot_;
   bool by_increase_;
-  std::vector<SphericalQuadric> quadrics_;
-  std::vector<Sphere> spheres_;
-  std::vector<double> errors_;  // of the slot's own sphere
-  std::vector<Extents> extents_;
-  std::vector<bool> pinned_;  // by slot; empty if none is
+  std::vector<Region> regions_;   // by slot
+  std::vector<Extents> extents_;  // by slot; apart, as few fits ask for them
+  std::vector<bool> pinned_;      // by slot; empty if none is
 };
 
 }  // namespace armature::sdk

@@ -38,19 +38,6 @@ SphericalQuadric SphericalQuadric::of_triangle_spread(const std::array<Eigen::Ve
   return quadric;
 }
 
-SphericalQuadric SphericalQuadric::translated(const Eigen::Vector3d& t) const noexcept {
-  SphericalQuadric moved = *this;
-  const double ax = a[0] * t.x() + a[1] * t.y() + a[2] * t.z();
-  const double ay = a[1] * t.x() + a[4] * t.y() + a[5] * t.z();
-  const double az = a[2] * t.x() + a[5] * t.y() + a[7] * t.z();
-  moved.b[0] += ax;
-  moved.b[1] += ay;
-  moved.b[2] += az;
-  moved.b[3] += a[3] * t.x() + a[6] * t.y() + a[8] * t.z();
-  moved.c += t.x() * (b[0] + 0.5 * ax) + t.y() * (b[1] + 0.5 * ay) + t.z() * (b[2] + 0.5 * az);
-  return moved;
-}
-
 double SphericalQuadric::operator()(const Sphere& sphere) const noexcept {
   const double x = sphere.centre.x(), y = sphere.centre.y(), z = sphere.centre.z(), r = sphere.radius;
   return 0.5 * (a[0] * x * x + a[4] * y * y + a[7] * z * z + a[9] * r * r) + x * (a[1] * y + a[2] * z + a[3] * r) +

@@ -44,6 +44,19 @@ struct SphericalQuadric {
   [[nodiscard]] Eigen::Matrix4d matrix() const;
 };
 
+inline SphericalQuadric SphericalQuadric::translated(const Eigen::Vector3d& t) const noexcept {
+  SphericalQuadric moved = *this;
+  const double ax = a[0] * t.x() + a[1] * t.y() + a[2] * t.z();
+  const double ay = a[1] * t.x() + a[4] * t.y() + a[5] * t.z();
+  const double az = a[2] * t.x() + a[5] * t.y() + a[7] * t.z();
+  moved.b[0] += ax;
+  moved.b[1] += ay;
+  moved.b[2] += az;
+  moved.b[3] += a[3] * t.x() + a[6] * t.y() + a[8] * t.z();
+  moved.c += t.x() * (b[0] + 0.5 * ax) + t.y() * (b[1] + 0.5 * ay) + t.z() * (b[2] + 0.5 * az);
+  return moved;
+}
+
 /// The quadric of the union.
 [[nodiscard]] inline SphericalQuadric operator+(SphericalQuadric left, const SphericalQuadric& right) noexcept {
   left += right;
