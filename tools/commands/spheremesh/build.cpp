@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -59,7 +60,12 @@ Expected<void> build(const BuildOptions& options) {
   if (!mesh) return tl::unexpected(mesh.error());
   const double read_ms = milliseconds_since(start);
 
-  const std::size_t spheres = options.spheres.value_or(kDefaultSpheres);
+  const std::size_t vertices = mesh->positions.size();
+  const std::size_t spheres = options.spheres.value_or(std::min(kDefaultSpheres, vertices));
+  if (spheres > vertices) {
+    return fail(fmt::format("{}: {} spheres from {} vertices; --spheres takes at most as many as there are vertices",
+                            options.in, spheres, vertices));
+  }
   sdk::HierarchyOptions settings = hierarchy_options(options);
   if (options.hierarchy_out.empty() && !options.error_percent) settings.stop_at = spheres;
   const auto built = ours(sdk::build_hierarchy(*mesh, settings, call.task()));
