@@ -18,9 +18,9 @@ Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
     const auto a = static_cast<Eigen::Index>(axis);
     count_[axis] = static_cast<int>(std::ceil((upper[a] - lower[a]) / spacing_)) + 2;
   }
-  cells_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
-                    static_cast<std::size_t>(count_[2]),
-                Cell::Free);
+  cells_.assign(
+      static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(count_[2]),
+      Cell::Free);
   int size = 1;
   while (size < std::max({count_[0], count_[1], count_[2]})) size *= 2;
   classify(tree, {0, 0, 0}, size);
@@ -36,8 +36,8 @@ Vector3d Cavities::middle(const std::array<int, 3>& cell) const noexcept {
 void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (first[axis] >= count_[axis]) return;
-  const Vector3d centre = origin_ + spacing_ * Vector3d(first[0] + size / 2.0, first[1] + size / 2.0,
-                                                        first[2] + size / 2.0);
+  const Vector3d centre =
+      origin_ + spacing_ * Vector3d(first[0] + size / 2.0, first[1] + size / 2.0, first[2] + size / 2.0);
   const double reach = std::sqrt(3.0) / 2 * (size - 1) * spacing_;  // to the middle of the farthest cell
   const double distance = tree.signed_distance(centre);
   if (distance > reach) return;  // free, as all cells are at first
@@ -53,46 +53,104 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
 }
 
 void Cavities::flood() {
-  std::vector<std::array<int, 3>> front{{0, 0, 0}};
-  cells_[0] = Cell::Outer;
+  // By rows along x: each stretch of free cells is filled at once, and its neighbours looked through for others.
+  struct Stretch {
+    int first, end, y, z;
+  };
+  std::vector<Stretch> front;
+  const auto fill = [&](int x, int y, int z) {
+    Stretch s{x, x + 1, y, z};
+    while (s.first > 0 && cells_[index({s.first - 1, y, z})] == Cell::Free) --s.first;
+    while (s.end < count_[0] && cells_[index({s.end, y, z})] == Cell::Free) ++s.end;
+    const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(index({s.first, y, z}));
+    std::fill(begin, begin + (s.end - s.first), Cell::Outer);
+    front.push_back(s);
+    return s.end;
+  };
+  fill(0, 0, 0);
   while (!front.empty()) {
-    const std::array<int, 3> cell = front.back();
+    const Stretch s = front.back();
     front.pop_back();
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (const int step : {-1, 1}) {
-        std::array<int, 3> next = cell;
-        next[axis] += step;
-        if (next[axis] < 0 || next[axis] >= count_[axis]) continue;
-        Cell& state = cells_[index(next)];
-        if (state != Cell::Free) continue;
-        state = Cell::Outer;
-        front.push_back(next);
-      }
+    for (const auto& [dy, dz] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      const int y = s.y + dy;
+      const int z = s.z + dz;
+      if (y < 0 || y >= count_[1] || z < 0 || z >= count_[2]) continue;
+      for (int x = s.first; x < s.end; ++x)
+        if (cells_[index({x, y, z})] == Cell::Free) x = fill(x, y, z);
+    }
   }
 }
 
-bool Cavities::beside(const Vector3d& point) const noexcept {
-  if (!any_) return false;
-  const Vector3d place = (point - origin_) / spacing_;
-  std::array<int, 3> home{};
+Cavities::Found Cavities::look(const SphereMeshTree& tree, const Vector3d& x, NearestSphere& nearest) const noexcept {
+  const Vector3d place = (x - origin_) / spacing_;
+  std::array<int, 3> cell{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = place[static_cast<Eigen::Index>(axis)];
-    if (!(along >= 0 && along < count_[axis])) return false;
-    home[axis] = static_cast<int>(along);
+    if (!(along >= 0 && along < count_[axis])) return Found::Open;
+    cell[axis] = static_cast<int>(along);
   }
-  double least = 1e300;
-  Cell nearest = Cell::Outer;
-  for (int z = std::max(0, home[2] - 1); z <= std::min(count_[2] - 1, home[2] + 1); ++z)
-    for (int y = std::max(0, home[1] - 1); y <= std::min(count_[1] - 1, home[1] + 1); ++y)
-      for (int x = std::max(0, home[0] - 1); x <= std::min(count_[0] - 1, home[0] + 1); ++x) {
-        const Cell state = cells_[index({x, y, z})];
-        if (state == Cell::Solid) continue;
-        const double distance = (place - Vector3d(x + 0.5, y + 0.5, z + 0.5)).squaredNorm();
-        if (distance >= least) continue;
-        least = distance;
-        nearest = state;
-      }
-  return nearest == Cell::Free;
+  nearest = tree.nearest(x);
+  if (nearest.distance <= (x - middle(cell)).norm()) return Found::Nothing;
+  return cells_[index(cell)] == Cell::Free ? Found::Closed : Found::Open;
+}
+
+bool Cavities::holds(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
+  if (!any_) return false;
+  constexpr int kMostSteps = 40;
+  constexpr double kMomentum = 0.7;  // between two walls their normals alternate; their sum leads out
+  Vector3d x = point;
+  Vector3d away = Vector3d::Zero();
+  NearestSphere nearest;
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (const Found found = look(tree, x, nearest); found != Found::Nothing) return found == Found::Closed;
+    if (nearest.distance < 0) break;
+    away = kMomentum * away + nearest.normal;
+    x += std::max(0.7 * nearest.distance, 1e-6 * spacing_) * away.normalized();
+  }
+  return explore(tree, point);
+}
+
+bool Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
+  struct Ball {
+    Vector3d centre;
+    double radius;
+    bool spent;
+  };
+  constexpr std::size_t kMostBalls = 200;
+  std::vector<Ball> balls;
+  NearestSphere nearest;
+  if (const Found found = look(tree, point, nearest); found != Found::Nothing) return found == Found::Closed;
+  balls.push_back({point, std::max(nearest.distance, 1e-3 * spacing_), false});
+  while (balls.size() < kMostBalls) {
+    // The widest first: it leads out the fastest.
+    std::size_t widest = balls.size();
+    for (std::size_t k = 0; k < balls.size(); ++k)
+      if (!balls[k].spent && (widest == balls.size() || balls[k].radius > balls[widest].radius)) widest = k;
+    if (widest == balls.size()) return true;
+    balls[widest].spent = true;
+    const Ball from = balls[widest];
+    for (int k = 0; k < 27; ++k) {
+      const Vector3d direction(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      if (k == 13) continue;
+      const Vector3d x = from.centre + 0.95 * from.radius * direction.normalized();
+      const bool known = std::any_of(balls.begin(), balls.end(), [&](const Ball& b) {
+        return (x - b.centre).squaredNorm() < 0.49 * b.radius * b.radius;
+      });
+      if (known) continue;
+      if (const Found found = look(tree, x, nearest); found != Found::Nothing) return found == Found::Closed;
+      if (nearest.distance > 0.05 * from.radius && nearest.distance > 1e-4 * spacing_)
+        balls.push_back({x, nearest.distance, false});
+    }
+  }
+  return true;
+}
+
+bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {
+  if (!any_) return false;
+  // As far off as nothing else is nearer.
+  double step = spacing_;
+  for (int k = 0; k < 12 && tree.signed_distance(point + step * normal) < 0.3 * step; ++k) step /= 2;
+  return holds(tree, point + step * normal);
 }
 
 }  // namespace armature::sdk

@@ -9,8 +9,8 @@
 namespace armature::sdk {
 
 /// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells whose
-/// middle is free are flooded from outside, face to face. A void narrower than a cell may be missed, and one whose way
-/// out is narrower than a cell counts as closed.
+/// middle is free are flooded from outside, face to face. A void may be missed where all are narrower than a cell, and
+/// one whose way out is narrower than a cell counts as closed.
 class Cavities {
  public:
   /// `resolution` cells along the longest side of the bounding box.
@@ -18,11 +18,21 @@ class Cavities {
 
   /// Whether there is any closed void.
   [[nodiscard]] bool any() const noexcept { return any_; }
-  /// Whether the free space nearest to the point is a closed void. Looks no further than the cells around it.
-  [[nodiscard]] bool beside(const Eigen::Vector3d& point) const noexcept;
+  /// Whether free space at a point belongs to a closed void. From there it is walked away from the surface, and then
+  /// searched ball by ball, until a free ball holds the middle of a cell; where none does, the space is narrower than a
+  /// cell and counts as closed.
+  [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  /// The same for the free space in front of a point of the surface.
+  [[nodiscard]] bool faces(const SphereMeshTree& tree, const Eigen::Vector3d& point,
+                           const Eigen::Vector3d& normal) const noexcept;
 
  private:
   enum class Cell : std::uint8_t { Solid, Free, Outer };
+  enum class Found : std::uint8_t { Nothing, Open, Closed };
+
+  /// What the free ball around a place tells, and what bounds it.
+  [[nodiscard]] Found look(const SphereMeshTree& tree, const Eigen::Vector3d& x, NearestSphere& nearest) const noexcept;
+  [[nodiscard]] bool explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
 
   void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size);
   void flood();

@@ -1,8 +1,7 @@
-#include <armature/sdk/distance/outer_surface.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include <armature/sdk/distance/outer_surface.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -54,7 +53,7 @@ struct OuterSurface::State {
   /// Whether a point of a patch, with its outward normal, lies on the outer surface.
   [[nodiscard]] bool outer(const Vector3d& point, const Vector3d& normal) const noexcept {
     if (tree.inside(point, depth)) return false;
-    return !cavities.any() || !cavities.beside(point + 1e-3 * diagonal * normal);
+    return !cavities.faces(tree, point, normal);
   }
 
   void index_pieces() {
@@ -72,7 +71,8 @@ struct OuterSurface::State {
     tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t k) {
       std::vector<CreaseSegment> all;
       find_creases(shape, near(patches[k]), patches[k], crease_options, static_cast<std::uint32_t>(k), all);
-      for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, found[k]);
+      VoidMemory memory;
+      for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, memory, found[k]);
     });
     std::vector<OuterCrease> visible;
     for (const auto& part : found) visible.insert(visible.end(), part.begin(), part.end());
@@ -97,8 +97,16 @@ struct OuterSurface::State {
     return close;
   }
 
+  /// What side of a wall a crease lies on holds for the segments that continue it.
+  struct VoidMemory {
+    Vector3d end = Vector3d::Constant(std::numeric_limits<double>::infinity());
+    int uses = 0;
+    bool in_void = false;
+  };
+
   /// Keeps what of a crease nothing covers.
-  void add_visible(const CreaseSegment& segment, double sag, std::vector<OuterCrease>& visible) const {
+  void add_visible(const CreaseSegment& segment, double sag, VoidMemory& memory,
+                   std::vector<OuterCrease>& visible) const {
     Vector3d a = segment.a;
     Vector3d b = segment.b;
     const bool a_inside = tree.inside(a, depth);
@@ -114,8 +122,11 @@ struct OuterSurface::State {
       (a_inside ? a : b) = seen;
     }
     if (cavities.any()) {
-      const NearestSphere nearest = tree.nearest((a + b) / 2);
-      if (cavities.beside((a + b) / 2 + 1e-3 * diagonal * nearest.normal)) return;
+      constexpr int kMostUses = 32;
+      if (a != memory.end || ++memory.uses > kMostUses)
+        memory = {b, 0, cavities.faces(tree, (a + b) / 2, tree.nearest((a + b) / 2).normal)};
+      memory.end = b;
+      if (memory.in_void) return;
     }
     visible.push_back({a, b});
   }
@@ -186,7 +197,7 @@ OuterSurface& OuterSurface::operator=(OuterSurface&&) noexcept = default;
 double OuterSurface::signed_distance(const Vector3d& point) const noexcept {
   const State& s = *state_;
   const double distance = s.tree.signed_distance(point);
-  if (distance >= 0 && !s.cavities.beside(point)) return distance;
+  if (distance >= 0 && !s.cavities.holds(s.tree, point)) return distance;
   return -s.distance_within(point);
 }
 

@@ -75,14 +75,15 @@ TEST(OuterSurface, OfOneConvexPrimitiveItsOwnDistanceIsTheDistance) {
 /// Nothing of the surface is nearer than the distance says, and something is as near.
 void expect_distances_to_samples(const SphereMesh& shape, unsigned seed) {
   const OuterSurface surface(shape);
-  const auto samples = surface.sample(60000);
-  ASSERT_GT(samples.size(), 40000U);
+  ASSERT_FALSE(surface.has_cavities());
+  const auto samples = surface.sample(30000);
+  ASSERT_GT(samples.size(), 20000U);
   const auto [lower, upper] = surface.tree().bounds();
   const double diagonal = (upper - lower).norm();
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> u(0, 1);
   int inside = 0;
-  for (int k = 0; k < 4000 && inside < 300; ++k) {
+  for (int k = 0; k < 4000 && inside < 200; ++k) {
     const Vector3d p = lower + Vector3d(u(random), u(random), u(random)).cwiseProduct(upper - lower);
     const double distance = surface.signed_distance(p);
     if (distance >= 0) continue;
@@ -97,12 +98,12 @@ void expect_distances_to_samples(const SphereMesh& shape, unsigned seed) {
 }
 
 TEST(OuterSurface, OfATangleNoSampleIsNearerAndOneAsNear) {
-  expect_distances_to_samples(tangle(9, 1), 2);
-  expect_distances_to_samples(tangle(24, 3), 4);
+  expect_distances_to_samples(tangle(12, 1), 2);
+  expect_distances_to_samples(tangle(9, 5), 4);
 }
 
 TEST(OuterSurface, SamplesLieOnTheSurfaceAndKnowTheirSpheres) {
-  const SphereMesh shape = tangle(24, 5);
+  const SphereMesh shape = tangle(12, 5);
   const OuterSurface surface(shape);
   for (const OuterSample& s : surface.sample(5000)) {
     EXPECT_NEAR(surface.tree().signed_distance(s.point), 0, 1e-6);

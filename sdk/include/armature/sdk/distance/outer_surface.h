@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-
 #include <armature/sdk/distance/sphere_mesh_tree.h>
 #include <armature/sdk/spheremesh/sphere_mesh.h>
 
@@ -20,15 +19,15 @@ struct OuterSurfaceOptions {
   double resolution = 2e-3;
   /// Cells along the longest side of the bounding box of the grid that tells closed voids: a void narrower than a cell
   /// may be missed, and one whose way out is narrower than a cell counts as closed.
-  int cavity_grid = 128;
+  int cavity_grid = 256;
 };
 
 /// A point of the outer surface of a sphere-mesh.
 struct OuterSample {
   Eigen::Vector3d point;
-  Eigen::Vector3d normal;      ///< outward, of unit length
-  TouchedSpheres spheres;      ///< of the interpolated sphere that it lies on
-  Eigen::Vector3d weights;     ///< of these spheres; not negative, sum 1
+  Eigen::Vector3d normal;   ///< outward, of unit length
+  TouchedSpheres spheres;   ///< of the interpolated sphere that it lies on
+  Eigen::Vector3d weights;  ///< of these spheres; not negative, sum 1
 };
 
 /// A straight piece of a crease of the outer surface, where two primitives meet at an angle.

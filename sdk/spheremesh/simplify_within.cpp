@@ -1,0 +1,326 @@
+#include "sdk/spheremesh/simplify_within.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Weighted sum of squared distances to planes: x'Ax - 2 b'x + c.
+struct PlaneQuadric {
+  Matrix3d A = Matrix3d::Zero();
+  Vector3d b = Vector3d::Zero();
+  double c = 0;
+  double weight = 0;
+
+  void add_plane(const Vector3d& point, const Vector3d& normal, double w) {
+    const double offset = normal.dot(point);
+    A += w * normal * normal.transpose();
+    b += w * offset * normal;
+    c += w * offset * offset;
+    weight += w;
+  }
+  void add(const PlaneQuadric& other) {
+    A += other.A;
+    b += other.b;
+    c += other.c;
+    weight += other.weight;
+  }
+  [[nodiscard]] double at(const Vector3d& x) const { return std::max(0.0, x.dot(A * x) - 2 * b.dot(x) + c); }
+  /// The minimiser nearest to `start`, which it keeps to where planes leave it free.
+  [[nodiscard]] Vector3d least_near(const Vector3d& start) const {
+    const double keep = 1e-3 * A.trace() + std::numeric_limits<double>::min();
+    return start + (A + keep * Matrix3d::Identity()).ldlt().solve(b - A * start);
+  }
+};
+
+/// Squared distance from a point to a triangle (Ericson, Real-Time Collision Detection, section 5.1.5).
+double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
+  const Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
+  const Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
+  const double va = d3 * d6 - d5 * d4;
+  const double bc = (d4 - d3) + (d5 - d6);
+  if (va <= 0 && d4 >= d3 && d5 >= d6 && bc > 0) return (bp - (d4 - d3) / bc * (c - b)).squaredNorm();
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});
+  return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
+}
+
+using Index = std::uint32_t;
+constexpr Index kNone = std::numeric_limits<Index>::max();
+
+class Simplifier {
+ public:
+  Simplifier(Mesh mesh, const SphereMeshTree& surface, double tolerance)
+      : surface_(surface), tolerance_(tolerance), positions_(std::move(mesh.positions)) {
+    const std::size_t vertices = positions_.size();
+    originals_ = positions_;
+    faces_.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles)
+      faces_.push_back(
+          {static_cast<Index>(t[0].index()), static_cast<Index>(t[1].index()), static_cast<Index>(t[2].index())});
+    around_.resize(vertices);
+    held_.resize(faces_.size());
+    quadrics_.resize(vertices);
+    stamps_.assign(vertices, 0);
+    for (Index f = 0; f < faces_.size(); ++f)
+      for (const Index v : faces_[f]) around_[v].push_back(f);
+    for (Index v = 0; v < vertices; ++v) {
+      held_[around_[v].front()].push_back(v);
+      double area = 0;
+      for (const Index f : around_[v]) area += doubled_area_vector(faces_[f]).norm() / 6;
+      quadrics_[v].add_plane(positions_[v], surface.nearest(positions_[v]).normal, area);
+    }
+    live_faces_ = faces_.size();
+  }
+
+  Expected<Mesh> run(const Task& task) {
+    // What failed once may do after its surroundings have changed: so a few rounds.
+    for (int round = 0; round < 6; ++round) {
+      const std::size_t before = live_faces_;
+      for (Index v = 0; v < positions_.size(); ++v)
+        for (const Index w : neighbours(v))
+          if (v < w) push(v, w);
+      std::size_t steps = 0;
+      const double begun = static_cast<double>(queue_.size()) + 1;
+      while (!queue_.empty()) {
+        if ((++steps & 0xFFF) == 0) {
+          if (task.stopped()) return cancelled();
+          task.report("simplifying", 1 - static_cast<double>(queue_.size()) / (begun + static_cast<double>(steps)));
+        }
+        const Candidate next = queue_.top();
+        queue_.pop();
+        if (next.stamp_a != stamps_[next.a] || next.stamp_b != stamps_[next.b]) continue;
+        collapse(next);
+      }
+      if (before - live_faces_ < before / 50) break;
+    }
+    return compact();
+  }
+
+ private:
+  using Face = std::array<Index, 3>;
+  struct Candidate {
+    double cost;
+    Index a, b;
+    Index stamp_a, stamp_b;
+    bool operator<(const Candidate& other) const noexcept {
+      if (cost != other.cost) return cost > other.cost;
+      return a != other.a ? a > other.a : b > other.b;
+    }
+  };
+
+  [[nodiscard]] Vector3d doubled_area_vector(const Face& f) const {
+    const Vector3d& a = positions_[f[0]];
+    return (positions_[f[1]] - a).cross(positions_[f[2]] - a);
+  }
+
+  [[nodiscard]] std::vector<Index> neighbours(Index v) const {
+    std::vector<Index> ring;
+    for (const Index f : around_[v])
+      for (const Index w : faces_[f])
+        if (w != v) ring.push_back(w);
+    std::sort(ring.begin(), ring.end());
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    return ring;
+  }
+
+  [[nodiscard]] Vector3d place(Index a, Index b, PlaneQuadric& sum) const {
+    sum = quadrics_[a];
+    sum.add(quadrics_[b]);
+    return sum.least_near((positions_[a] + positions_[b]) / 2);
+  }
+
+  void push(Index a, Index b) {
+    PlaneQuadric sum;
+    const Vector3d x = place(a, b, sum);
+    // Where all planes agree the shorter edge goes first.
+    const double cost = sum.at(x) + 1e-6 * sum.weight * (positions_[a] - positions_[b]).squaredNorm();
+    if (sum.at(x) > sum.weight * tolerance_ * tolerance_) return;
+    queue_.push({cost, a, b, stamps_[a], stamps_[b]});
+  }
+
+  void collapse(const Candidate& edge) {
+    const auto [cost, a, b, stamp_a, stamp_b] = edge;
+    if (live_faces_ <= 4) return;
+    PlaneQuadric sum;
+    const Vector3d best = place(a, b, sum);
+    if (!keeps_manifold(a, b)) return;
+    // The faces that stay, with the new vertex in the place of a or b.
+    changed_.clear();
+    gone_.clear();
+    for (const Index v : {a, b})
+      for (const Index f : around_[v]) {
+        const Face& face = faces_[f];
+        const bool both = std::count(face.begin(), face.end(), a) + std::count(face.begin(), face.end(), b) == 2;
+        if (!both)
+          changed_.push_back(f);
+        else if (v == a)
+          gone_.push_back(f);
+      }
+    for (const Vector3d& x : {best, positions_[a], positions_[b]})
+      if (fits(a, b, x)) {
+        apply(a, b, x, sum);
+        return;
+      }
+  }
+
+  /// An edge of a closed manifold may go if its ends have no other common neighbours than the two across from it.
+  [[nodiscard]] bool keeps_manifold(Index a, Index b) const {
+    const std::vector<Index> of_a = neighbours(a);
+    const std::vector<Index> of_b = neighbours(b);
+    std::vector<Index> common;
+    std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(common));
+    if (common.size() != 2) return false;
+    return around_[common[0]].size() > 3 && around_[common[1]].size() > 3 && of_a.size() + of_b.size() > 7;
+  }
+
+  [[nodiscard]] std::array<Vector3d, 3> moved(const Face& face, Index a, Index b, const Vector3d& x) const {
+    std::array<Vector3d, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = face[k] == a || face[k] == b ? x : positions_[face[k]];
+    return p;
+  }
+
+  bool fits(Index a, Index b, const Vector3d& x) {
+    if (off_surface(x)) return false;
+    triangles_.clear();
+    for (const Index f : changed_) {
+      const auto p = moved(faces_[f], a, b, x);
+      const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]);
+      const double longest2 =
+          std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
+      const double size = n.norm();
+      if (!(size > 1e-3 * longest2) && !(size > 0 && size >= doubled_area_vector(faces_[f]).norm())) return false;
+      triangles_.push_back(p);
+      // No fold: as the face was turned before, unless that was a splinter.
+      const Vector3d old = doubled_area_vector(faces_[f]);
+      if (n.dot(old) < 0.1 * size * old.norm() && old.norm() > 1e-2 * longest2) return false;
+    }
+    // The surface to the mesh, at what the mesh began with.
+    const double limit2 = tolerance_ * tolerance_;
+    for (const auto* faces : {&changed_, &gone_})
+      for (const Index f : *faces)
+        for (const Index original : held_[f]) {
+          double least2 = std::numeric_limits<double>::infinity();
+          for (const auto& t : triangles_) {
+            least2 = std::min(least2, squared_distance(originals_[original], t[0], t[1], t[2]));
+            if (least2 <= limit2 / 4) break;
+          }
+          if (least2 > limit2) return false;
+        }
+    // The mesh to the surface: within the new triangles, and along the edge that each shares with the next.
+    for (const auto& t : triangles_) {
+      const Vector3d middle = (t[0] + t[1] + t[2]) / 3;
+      const NearestSphere nearest = surface_.nearest(middle);
+      if (std::abs(nearest.distance) > tolerance_) return false;
+      const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
+      if (n.dot(nearest.normal) < 0.1 * n.norm()) return false;
+      const std::size_t own = t[0] == x ? 0 : t[1] == x ? 1 : 2;
+      const Vector3d& next = t[(own + 1) % 3];
+      for (const double along : {0.5, 0.25, 0.75})
+        if (off_surface((1 - along) * x + along * next)) return false;
+      for (const Vector3d& corner : t)
+        if (off_surface((middle + corner) / 2)) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool off_surface(const Vector3d& x) const { return std::abs(surface_.signed_distance(x)) > tolerance_; }
+
+  void apply(Index a, Index b, const Vector3d& x, const PlaneQuadric& sum) {
+    std::vector<Index> homeless;
+    for (const auto* faces : {&changed_, &gone_})
+      for (const Index f : *faces) {
+        homeless.insert(homeless.end(), held_[f].begin(), held_[f].end());
+        held_[f].clear();
+      }
+    positions_[a] = x;
+    quadrics_[a] = sum;
+    for (const Index f : gone_)
+      for (const Index v : faces_[f])
+        if (v != a && v != b) std::erase(around_[v], f);
+    for (const Index f : gone_) faces_[f] = {kNone, kNone, kNone};
+    live_faces_ -= gone_.size();
+    for (const Index f : changed_)
+      for (Index& v : faces_[f])
+        if (v == b) v = a;
+    around_[a] = changed_;
+    around_[b].clear();
+    for (const Index original : homeless) {
+      Index home = changed_.front();
+      double least2 = std::numeric_limits<double>::infinity();
+      for (const Index f : changed_) {
+        const Face& t = faces_[f];
+        const double d2 = squared_distance(originals_[original], positions_[t[0]], positions_[t[1]], positions_[t[2]]);
+        if (d2 >= least2) continue;
+        least2 = d2;
+        home = f;
+      }
+      held_[home].push_back(original);
+    }
+    ++stamps_[a];
+    ++stamps_[b];
+    for (const Index w : neighbours(a)) push(a, w);
+  }
+
+  Mesh compact() const {
+    Mesh mesh;
+    std::vector<VertexId> renamed(positions_.size());
+    for (const Face& face : faces_) {
+      if (face[0] == kNone) continue;
+      Triangle triangle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        VertexId& name = renamed[face[k]];
+        if (!name.valid()) {
+          name = VertexId(mesh.positions.size());
+          mesh.positions.push_back(positions_[face[k]]);
+        }
+        triangle[k] = name;
+      }
+      mesh.triangles.push_back(triangle);
+    }
+    return mesh;
+  }
+
+  const SphereMeshTree& surface_;
+  double tolerance_;
+  std::vector<Vector3d> positions_;
+  std::vector<Vector3d> originals_;
+  std::vector<Face> faces_;
+  std::vector<std::vector<Index>> around_;  // faces at each vertex
+  std::vector<std::vector<Index>> held_;    // original vertices that each face answers for
+  std::vector<PlaneQuadric> quadrics_;
+  std::vector<Index> stamps_;
+  std::priority_queue<Candidate> queue_;
+  std::size_t live_faces_ = 0;
+  std::vector<Index> changed_, gone_;
+  std::vector<std::array<Vector3d, 3>> triangles_;
+};
+
+}  // namespace
+
+Expected<Mesh> simplify_within(Mesh mesh, const SphereMeshTree& surface, double tolerance, const Task& task) {
+  return Simplifier(std::move(mesh), surface, tolerance).run(task);
+}
+
+}  // namespace armature::sdk
