@@ -55,50 +55,66 @@ class Ring {
     return true;
   }
 
-  /// Ear clipping (Meisters 1975). After a cut it goes on behind the next corner, which keeps fans apart.
+  /// Ear clipping (Meisters 1975). After a cut it goes on behind the next corner, which keeps fans apart. To be called
+  /// once.
   void clip(std::vector<Triangle>& out) {
-    std::vector<std::size_t> reflex;
+    blocks_.assign(flat_.size(), false);
     for (std::size_t i = 0; i < flat_.size(); ++i)
-      if (!(turn(i) > 0)) reflex.push_back(i);
-    std::vector<bool> cut(flat_.size(), false);
+      if (!(turn(i) > 0)) {
+        blocks_[i] = true;
+        reflex_.push_back(i);
+      }
     std::size_t at = 0;
     std::size_t passed = 0;
+    std::size_t freed = 0;
     for (std::size_t left = flat_.size(); left > 3;) {
-      // After a full round without an ear the polygon crosses itself or has no area: any corner will do.
-      const bool stuck = passed > left;
-      if (!stuck && !is_ear(at, reflex, cut)) {
+      // After a full round without an ear the polygon crosses itself or has no area: any corner will do. So it will
+      // where ears are so rare that a hostile polygon would take minutes.
+      const bool stuck = passed > left || tests_ > kMostTests;
+      if (!stuck && !is_ear(at)) {
         at = next_[at];
         ++passed;
         continue;
       }
       out.push_back(triangle(at));
-      cut[at] = true;
-      next_[previous_[at]] = next_[at];
-      previous_[next_[at]] = previous_[at];
+      const std::size_t before = previous_[at];
+      const std::size_t after = next_[at];
+      next_[before] = after;
+      previous_[after] = before;
+      // The ear is gone and its neighbours may have become convex; what was convex stays so.
+      blocks_[at] = false;
+      blocks_[before] = blocks_[before] && !(turn(before) > 0);
+      blocks_[after] = blocks_[after] && !(turn(after) > 0);
+      if (++freed > reflex_.size() / 2) {
+        std::erase_if(reflex_, [&](std::size_t i) { return !blocks_[i]; });
+        freed = 0;
+      }
       --left;
-      at = next_[next_[at]];
+      at = next_[after];
       if (!stuck) passed = 0;
-      std::erase_if(reflex, [&](std::size_t i) { return cut[i] || turn(i) > 0; });
     }
-    while (cut[at]) at = next_[at];
     out.push_back(triangle(at));
   }
 
  private:
+  /// About a second's: enough for a spiral of 3000 corners.
+  static constexpr std::size_t kMostTests = 300'000'000;
+
   [[nodiscard]] Triangle triangle(std::size_t i) const {
     return {corners_[previous_[i]], corners_[i], corners_[next_[i]]};
   }
 
   /// A corner that turns left and whose triangle holds no other corner. Only reflex corners can lie in it.
-  [[nodiscard]] bool is_ear(std::size_t i, const std::vector<std::size_t>& reflex, const std::vector<bool>& cut) const {
+  [[nodiscard]] bool is_ear(std::size_t i) {
     const Vector2d& a = flat_[previous_[i]];
     const Vector2d& b = flat_[i];
     const Vector2d& c = flat_[next_[i]];
     if (!(cross(a, b, c) > 0)) return false;
-    for (const std::size_t j : reflex) {
+    tests_ += reflex_.size();
+    for (const std::size_t j : reflex_) {
       const Vector2d& p = flat_[j];
       // A corner that stands twice in the polygon (a bridge to a hole) does not block its own ear.
-      if (cut[j] || p == a || p == b || p == c) continue;
+      if (!blocks_[j] || p == a || p == b || p == c) continue;
       if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0) return false;
     }
     return true;
@@ -107,6 +123,9 @@ class Ring {
   std::span<const VertexId> corners_;
   std::vector<Vector2d> flat_;
   std::vector<std::size_t> next_, previous_;
+  std::vector<std::size_t> reflex_;  // corners that did not turn left when last looked through
+  std::vector<bool> blocks_;         // of those, which still do not
+  std::size_t tests_ = 0;
 };
 
 void fan(std::span<const VertexId> corners, std::vector<Triangle>& out) {

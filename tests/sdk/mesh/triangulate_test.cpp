@@ -98,6 +98,24 @@ TEST(Triangulation, GoesRoundAHoleThatABridgeJoins) {
   EXPECT_GE(least_area(triangles, positions, Vector3d::UnitZ()), 0);
 }
 
+TEST(Triangulation, UnwindsASpiral) {
+  // A band of ten turns, whose ears are rare.
+  std::vector<Vector3d> band;
+  constexpr int kSide = 400;
+  for (int i = 0; i < 2 * kSide; ++i) {
+    const bool outer = i >= kSide;
+    const double turns = 10.0 * (outer ? 2 * kSide - 1 - i : i) / (kSide - 1);
+    const double angle = 2 * std::numbers::pi * turns;
+    const double radius = 1 + turns + (outer ? 0.3 : 0);
+    band.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  const auto triangles = cut(band);
+  ASSERT_EQ(triangles.size(), band.size() - 2);
+  double sum = 0;
+  for (const Triangle& triangle : triangles) sum += std::abs(area({triangle}, band, Vector3d::UnitZ()));
+  EXPECT_NEAR(sum, -area(triangles, band, Vector3d::UnitZ()), 1e-9) << "triangles overlap";
+}
+
 TEST(Triangulation, MakesAsManyTrianglesOfWhatHasNoArea) {
   EXPECT_EQ(cut(std::vector<Vector3d>(7, Vector3d(1, 2, 3))).size(), 5U);
   EXPECT_EQ(cut({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}}).size(), 3U);
