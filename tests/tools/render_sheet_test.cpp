@@ -64,6 +64,12 @@ TEST(Sheet, HasRoomForEveryCellAndNoPixelWithoutOne) {
   }
 }
 
+TEST(Sheet, KeepsThePictureOfManyCellsWithinBounds) {
+  const SheetGrid grid = sheet_grid(5000, {});
+  EXPECT_LE(grid.columns * grid.width, kMostPixelsASide);
+  EXPECT_LE(grid.rows * grid.height, kMostPixelsASide);
+}
+
 TEST(Sheet, FollowsTheShapeOfThePicture) {
   EXPECT_EQ(sheet_grid(4, {.width = 1000, .height = 250}).columns, 4);
   EXPECT_EQ(sheet_grid(4, {.width = 250, .height = 1000}).columns, 1);

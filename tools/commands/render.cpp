@@ -20,8 +20,6 @@
 namespace armature::tools {
 namespace {
 
-constexpr int kMostPixelsASide = 8192;
-
 struct NamedView {
   const char* name;
   double azimuth_deg;

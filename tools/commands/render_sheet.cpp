@@ -120,8 +120,9 @@ SheetGrid sheet_grid(std::size_t cells, const SheetOptions& options) {
       // One more where fewer places stay empty.
       if ((columns + 1) * rows_of(columns + 1) < columns * rows_of(columns)) ++columns;
     }
-    grid.width = count == 1 ? kSingleWidth : kCellWidth;
-    grid.height = count == 1 ? kSingleHeight : kCellHeight;
+    const auto affordable = [](std::size_t parts) { return std::max(1, kMostPixelsASide / static_cast<int>(parts)); };
+    grid.width = count == 1 ? kSingleWidth : std::min(kCellWidth, affordable(columns));
+    grid.height = count == 1 ? kSingleHeight : std::min(kCellHeight, affordable(rows_of(columns)));
   }
   grid.columns = static_cast<int>(columns);
   grid.rows = static_cast<int>(rows_of(columns));

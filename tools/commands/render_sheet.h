@@ -18,6 +18,9 @@
 
 namespace armature::tools {
 
+/// The longest side of a picture, in pixels.
+inline constexpr int kMostPixelsASide = 8192;
+
 /// A shape to be drawn, and the file it came from.
 struct NamedShape {
   std::string file;
