@@ -43,7 +43,7 @@ OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) {
       for (int x = 0; x < extent_[0]; x += kBlock) {
         const Vector3d middle = lower_ + size_ * Vector3d(x + kBlock / 2, y + kBlock / 2, z * kBlock + kBlock / 2);
         gauge.near(all, middle, kHalfDiagonal * kBlock * size_, kThick * size_, near);
-        if (!near.edges.empty() || !near.facets.empty()) take(gauge, near, {x, y, z * kBlock}, kBlock);
+        if (!near.entries.empty()) take(gauge, near, {x, y, z * kBlock}, kBlock);
       }
   });
   flood();

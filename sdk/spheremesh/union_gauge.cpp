@@ -49,10 +49,8 @@ void UnionGauge::move_to(std::span<const Sphere> spheres) {
 
 NearbyPieces UnionGauge::all() const {
   NearbyPieces pieces;
-  pieces.edges.resize(edges_.size());
-  pieces.facets.resize(facets_.size());
-  for (std::uint32_t k = 0; k < edges_.size(); ++k) pieces.edges[k] = k;
-  for (std::uint32_t k = 0; k < facets_.size(); ++k) pieces.facets[k] = k;
+  for (std::uint32_t k = 0; k < edges_.size() + facets_.size(); ++k)
+    pieces.entries.push_back({-std::numeric_limits<double>::infinity(), k});
   return pieces;
 }
 
@@ -60,70 +58,90 @@ void UnionGauge::near(const NearbyPieces& among, const Vector3d& centre, double 
                       NearbyPieces& out) const {
   // Signed distances to pieces grow by at most 1 per length: what is farther than the nearest one by more than the
   // ball's diameter is nearest nowhere in it.
-  thread_local std::vector<double> distances;
-  distances.resize(among.edges.size());
+  const double offset = (centre - among.centre).norm();
+  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
   double least = std::numeric_limits<double>::infinity();
-  double along = 0;
-  double b = 0;
-  double c = 0;
-  double d = 0;
-  for (std::size_t k = 0; k < among.edges.size(); ++k) {
-    distances[k] = edges_[among.edges[k]].distance(centre, along);
-    least = std::min(least, distances[k]);
+  out.centre = centre;
+  out.entries.clear();
+  for (const auto& [bound, piece] : among.entries) {
+    const double limit = std::min(least + 2 * radius, within + radius);
+    if (bound - offset > limit) break;
+    double d = 0;
+    double b = 0;
+    double c = 0;
+    if (piece < edge_count) {
+      d = edges_[piece].distance(centre, b);
+      least = std::min(least, d);
+    } else {
+      const FacetGauge& facet = facets_[piece - edge_count];
+      if (!facet.exists) continue;
+      if (facet.distance(centre, d, b, c)) {
+        least = std::min(least, d);
+      } else if (d <= limit) {
+        const double slack_b = radius * (facet.to_b.norm() + std::abs(facet.lean_b));
+        const double slack_c = radius * (facet.to_c.norm() + std::abs(facet.lean_c));
+        if (!(b >= -slack_b && c >= -slack_c && b + c <= 1 + slack_b + slack_c)) continue;
+      }
+    }
+    if (d <= limit) out.entries.push_back({d, piece});
   }
-  for (const std::uint32_t f : among.facets)
-    if (facets_[f].distance(centre, d, b, c)) least = std::min(least, d);
   const double limit = std::min(least + 2 * radius, within + radius);
-
-  out.edges.clear();
-  out.facets.clear();
-  for (std::size_t k = 0; k < among.edges.size(); ++k)
-    if (distances[k] <= limit) out.edges.push_back(among.edges[k]);
-  for (const std::uint32_t f : among.facets) {
-    const FacetGauge& facet = facets_[f];
-    if (!facet.exists) continue;
-    static_cast<void>(facet.distance(centre, d, b, c));
-    if (d > limit) continue;
-    const double slack_b = radius * (facet.to_b.norm() + std::abs(facet.lean_b));
-    const double slack_c = radius * (facet.to_c.norm() + std::abs(facet.lean_c));
-    if (b >= -slack_b && c >= -slack_c && b + c <= 1 + slack_b + slack_c) out.facets.push_back(f);
-  }
+  std::erase_if(out.entries, [&](const NearbyPieces::Entry& e) { return e.distance > limit; });
+  std::sort(out.entries.begin(), out.entries.end(), [](const auto& x, const auto& y) {
+    return std::pair(x.distance, x.piece) < std::pair(y.distance, y.piece);
+  });
 }
 
 UnionTouch UnionGauge::touch(const NearbyPieces& pieces, const Vector3d& point) const noexcept {
-  UnionTouch best;
-  for (const std::uint32_t e : pieces.edges) {
-    double along = 0;
-    const double d = edges_[e].distance(point, along);
-    if (!(d < best.distance)) continue;
-    const double t = edges_[e].blend(along);
-    const auto& ends = edge_corners_[e];
-    best = {d, e, {ends[0], ends[1], ends[1]}, {1 - t, t, 0}};
-  }
-  for (const std::uint32_t f : pieces.facets) {
+  const double offset = (point - pieces.centre).norm();
+  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
+  double least = std::numeric_limits<double>::infinity();
+  std::uint32_t nearest = 0;
+  double along_or_b = 0;
+  double weight_c = 0;
+  for (const auto& [bound, piece] : pieces.entries) {
+    if (bound - offset >= least) break;
     double d = 0;
     double b = 0;
     double c = 0;
-    if (!facets_[f].distance(point, d, b, c) || !(d < best.distance)) continue;
-    best = {d, static_cast<std::uint32_t>(edges_.size()) + f, facet_corners_[f], {1 - b - c, b, c}};
+    if (piece < edge_count)
+      d = edges_[piece].distance(point, b);
+    else if (!facets_[piece - edge_count].distance(point, d, b, c))
+      continue;
+    if (d < least) least = d, nearest = piece, along_or_b = b, weight_c = c;
   }
-  return best;
+  if (nearest >= edge_count)
+    return {least, nearest, facet_corners_[nearest - edge_count], {1 - along_or_b - weight_c, along_or_b, weight_c}};
+  const double t = edges_[nearest].blend(along_or_b);
+  const auto& ends = edge_corners_[nearest];
+  return {least, nearest, {ends[0], ends[1], ends[1]}, {1 - t, t, 0}};
 }
 
-double UnionGauge::distance(const NearbyPieces& pieces, const Vector3d& point, double enough) const noexcept {
-  double least = std::numeric_limits<double>::infinity();
-  double unused = 0;
-  for (const std::uint32_t e : pieces.edges) {
-    least = std::min(least, edges_[e].distance(point, unused));
-    if (least < enough) return least;
-  }
-  for (const std::uint32_t f : pieces.facets) {
+double UnionGauge::distance(const NearbyPieces& pieces, const Vector3d& point) const noexcept {
+  return least_distance(pieces, point, std::numeric_limits<double>::infinity(),
+                        -std::numeric_limits<double>::infinity());
+}
+
+bool UnionGauge::covers(const NearbyPieces& pieces, const Vector3d& point, double depth) const noexcept {
+  return least_distance(pieces, point, -depth, -depth) < -depth;
+}
+
+double UnionGauge::least_distance(const NearbyPieces& pieces, const Vector3d& point, double below,
+                                  double enough) const noexcept {
+  const double offset = (point - pieces.centre).norm();
+  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
+  double least = below;
+  for (const auto& [bound, piece] : pieces.entries) {
+    if (bound - offset >= least) break;
     double d = 0;
     double b = 0;
     double c = 0;
-    if (!facets_[f].distance(point, d, b, c)) continue;
+    if (piece < edge_count)
+      d = edges_[piece].distance(point, b);
+    else if (!facets_[piece - edge_count].distance(point, d, b, c))
+      continue;
     least = std::min(least, d);
-    if (least < enough) return least;
+    if (least < enough) break;
   }
   return least;
 }

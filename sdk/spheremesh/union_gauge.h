@@ -25,9 +25,14 @@ struct UnionTouch {
   std::array<double, 3> weights{};
 };
 
-/// Pieces that points of a ball may touch: few of many.
+/// Pieces that points of a ball may touch: few of many, the nearest to its centre first.
 struct NearbyPieces {
-  std::vector<std::uint32_t> edges, facets;
+  struct Entry {
+    double distance;      ///< from the centre, or less
+    std::uint32_t piece;  ///< as UnionTouch names it
+  };
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  std::vector<Entry> entries;
 };
 
 /// A sphere-mesh prepared for the distances of many points, block by block of points that lie close together. Unlike a
@@ -63,11 +68,16 @@ class UnionGauge {
 
   /// The nearest of these pieces.
   [[nodiscard]] UnionTouch touch(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
-  /// The least signed distance to these pieces; stops early once it is below `enough`.
-  [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point,
-                                double enough = -std::numeric_limits<double>::infinity()) const noexcept;
+  /// The least signed distance to these pieces.
+  [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
+  /// Whether the point lies deeper than `depth` within one of these pieces.
+  [[nodiscard]] bool covers(const NearbyPieces& pieces, const Eigen::Vector3d& point, double depth) const noexcept;
 
  private:
+  /// The least signed distance if it is less than `below`; any that is less than `enough`.
+  [[nodiscard]] double least_distance(const NearbyPieces& pieces, const Eigen::Vector3d& point, double below,
+                                      double enough) const noexcept;
+
   std::vector<Sphere> spheres_;
   std::vector<EdgeGauge> edges_;
   std::vector<std::array<std::uint32_t, 2>> edge_corners_;
