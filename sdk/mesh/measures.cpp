@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include <armature/sdk/mesh/measures.h>
@@ -14,8 +15,16 @@ Vector3d direction_of(const Vector3d& v) {
   return (v / largest).normalized();
 }
 
-double angle_between(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+/// The directions of a face's sides, that from corner k to corner k + 1 at place k.
+std::array<Vector3d, 3> side_directions(const Mesh& mesh, FaceId face) {
+  std::array<Vector3d, 3> sides;
+  for (std::size_t k = 0; k < 3; ++k) sides[k] = direction_of(mesh.corner(face, (k + 1) % 3) - mesh.corner(face, k));
+  return sides;
+}
+
+/// A face's unit normal out of the directions of its sides.
+Vector3d normal_of(const std::array<Vector3d, 3>& sides) {
+  return direction_of(sides[2].cross(sides[0]));
 }
 
 }  // namespace
@@ -44,23 +53,20 @@ double surface_area(const Mesh& mesh) {
 
 std::vector<Vector3d> face_normals(const Mesh& mesh) {
   std::vector<Vector3d> normals(mesh.triangles.size());
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const Vector3d& a = mesh.corner(FaceId(i), 0);
-    normals[i] =
-        direction_of(direction_of(mesh.corner(FaceId(i), 1) - a).cross(direction_of(mesh.corner(FaceId(i), 2) - a)));
-  }
+  for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = normal_of(side_directions(mesh, FaceId(i)));
   return normals;
 }
 
 std::vector<Vector3d> vertex_normals(const Mesh& mesh) {
-  const std::vector<Vector3d> faces = face_normals(mesh);
   std::vector<Vector3d> normals(mesh.positions.size(), Vector3d::Zero());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto sides = side_directions(mesh, FaceId(i));
+    const Vector3d normal = normal_of(sides);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3d& here = mesh.corner(FaceId(i), k);
-      const double angle = angle_between(direction_of(mesh.corner(FaceId(i), (k + 1) % 3) - here),
-                                         direction_of(mesh.corner(FaceId(i), (k + 2) % 3) - here));
-      normals[mesh.triangles[i][k].index()] += angle * faces[i];
+      const Vector3d& ahead = sides[k];
+      const Vector3d& behind = sides[(k + 2) % 3];  // ends at this corner
+      const double angle = std::atan2(behind.cross(ahead).norm(), -behind.dot(ahead));
+      normals[mesh.triangles[i][k].index()] += angle * normal;
     }
   }
   for (Vector3d& normal : normals) normal = direction_of(normal);
