@@ -16,8 +16,8 @@ enum class ErrorKind : std::uint8_t {
 
 /// An expected failure. The message is one line that names the file or shape, the place in it and what was expected.
 struct Error {
-  std::string message;
-  ErrorKind kind = ErrorKind::Input;
+  std::string message;                ///< one line, without a newline
+  ErrorKind kind = ErrorKind::Input;  ///< whose doing it is
 };
 
 /// A value, or why there is none. The library throws nothing but std::bad_alloc.

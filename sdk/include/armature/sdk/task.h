@@ -9,7 +9,7 @@ namespace armature::sdk {
 /// How a caller follows and ends a long call. Both members may be left empty. A call that was asked to stop returns
 /// `cancelled()` soon and leaves nothing half-done.
 struct Task {
-  std::stop_token stop = {};
+  std::stop_token stop = {};  ///< asks for an early end
   /// Told now and then what is being done and how far it has come, in [0, 1] of that stage. Called on the thread that
   /// made the call.
   std::function<void(std::string_view stage, double fraction)> progress = {};

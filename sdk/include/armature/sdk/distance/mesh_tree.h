@@ -12,17 +12,17 @@ namespace armature::sdk {
 
 /// A point of a mesh's surface. The face is not valid where nothing was found.
 struct SurfacePoint {
-  FaceId face;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< weights of the face's corners; not negative, sum 1
-  double distance = std::numeric_limits<double>::infinity();
+  FaceId face;                                                ///< on which it lies
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();            ///< where it lies
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< weights of the face's corners; not negative, sum 1
+  double distance = std::numeric_limits<double>::infinity();  ///< from the point that was asked about, not negative
 };
 
 /// Where a ray meets a mesh: at origin + t direction.
 struct MeshHit {
-  FaceId face;
-  double t = 0;
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+  FaceId face;                                            ///< that is met
+  double t = 0;                                           ///< how far along the ray
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< weights of the face's corners; sum 1
 };
 
 /// What a caller of MeshTree::closest knows beforehand. Neither changes what is found, only how fast.
@@ -35,6 +35,7 @@ struct SearchStart {
 /// segments or points that they are. It keeps what it needs: the mesh may change or go. Queries are thread-safe.
 class MeshTree {
  public:
+  /// Time n log n in the faces.
   explicit MeshTree(const Mesh& mesh);
   ~MeshTree();
   MeshTree(MeshTree&&) noexcept;

@@ -24,7 +24,7 @@ struct OuterSurfaceOptions {
 
 /// A point of the outer surface of a sphere-mesh.
 struct OuterSample {
-  Eigen::Vector3d point;
+  Eigen::Vector3d point;    ///< where it lies
   Eigen::Vector3d normal;   ///< outward, of unit length
   TouchedSpheres spheres;   ///< of the interpolated sphere that it lies on
   Eigen::Vector3d weights;  ///< of these spheres; not negative, sum 1
@@ -32,8 +32,8 @@ struct OuterSample {
 
 /// A straight piece of a crease of the outer surface, where two primitives meet at an angle.
 struct OuterCrease {
-  Eigen::Vector3d a;
-  Eigen::Vector3d b;
+  Eigen::Vector3d a;  ///< one end
+  Eigen::Vector3d b;  ///< the other end
 };
 
 /// The boundary of the union of all interpolated spheres towards infinity. Closed voids inside do not count: they are
@@ -45,6 +45,7 @@ struct OuterCrease {
 /// closest point lies on a crease, and creases are found beforehand as polylines. Queries are thread-safe.
 class OuterSurface {
  public:
+  /// Finds creases and voids. Edges and triangles of `shape` must name its spheres.
   explicit OuterSurface(const SphereMesh& shape, const OuterSurfaceOptions& options = {});
   ~OuterSurface();
   OuterSurface(OuterSurface&&) noexcept;

@@ -19,7 +19,7 @@ struct NearestSphere {
   /// To the surface of the primitive. Outside, this is the exact distance to the union. Inside it is negative and its
   /// size only a lower bound of the distance to the surface of the union (OuterSurface knows that one).
   double distance = std::numeric_limits<double>::infinity();
-  TouchedSpheres spheres = {};
+  TouchedSpheres spheres = {};                        ///< which it blends
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of these spheres; not negative, sum 1
   Sphere sphere = {};                                 ///< the interpolated sphere itself
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< from its centre to the point; any where both coincide
@@ -27,9 +27,9 @@ struct NearestSphere {
 
 /// Where a ray crosses the surface of a sphere-mesh: at origin + t direction.
 struct SphereMeshHit {
-  double t = 0;
-  TouchedSpheres spheres = {};
-  Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+  double t = 0;                                       ///< how far along the ray
+  TouchedSpheres spheres = {};                        ///< of the interpolated sphere that is met
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of these spheres; not negative, sum 1
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward, of unit length
 };
 

@@ -15,7 +15,7 @@ namespace armature::sdk {
 /// A vertex whose sphere the user has decided. Collapses draw others into it and leave it as it is; two of them are
 /// never joined.
 struct PinnedSphere {
-  VertexId vertex;
+  VertexId vertex;                    ///< of the mesh; its sphere is in every level
   std::optional<Sphere> sphere = {};  ///< in the model's coordinates; the vertex itself if it is left out
 };
 
@@ -50,15 +50,15 @@ struct HierarchyOptions {
 
 /// What a build took.
 struct BuildStatistics {
-  double init_ms = 0;      ///< topology, quadrics, the first queue
-  double decimate_ms = 0;  ///< all collapses
-  std::size_t collapses = 0;
+  double init_ms = 0;         ///< topology, quadrics, the first queue
+  double decimate_ms = 0;     ///< all collapses
+  std::size_t collapses = 0;  ///< pairs of spheres joined
 };
 
 /// A hierarchy and what it took.
 struct HierarchyBuild {
-  Hierarchy hierarchy;
-  BuildStatistics statistics;
+  Hierarchy hierarchy;         ///< every level
+  BuildStatistics statistics;  ///< what it took
 };
 
 /// Decimates a mesh by the spherical quadric error down to one sphere a component, then joins the components by the

@@ -53,11 +53,14 @@ class Hierarchy {
 
   /// Input vertices.
   [[nodiscard]] std::size_t leaf_count() const noexcept { return parts_.leaves.size(); }
+  /// How many spheres were made by joining two.
   [[nodiscard]] std::size_t collapse_count() const noexcept { return parts_.children.size(); }
+  /// Spheres of all levels together.
   [[nodiscard]] std::size_t node_count() const noexcept { return leaf_count() + collapse_count(); }
   /// Spheres of the coarsest level.
   [[nodiscard]] std::size_t min_spheres() const noexcept { return leaf_count() - collapse_count(); }
 
+  /// Whether the node is an input vertex.
   [[nodiscard]] bool is_leaf(NodeId node) const noexcept { return node.index() < leaf_count(); }
   /// In the model's coordinates.
   [[nodiscard]] Sphere sphere(NodeId node) const noexcept;
@@ -84,6 +87,7 @@ class Hierarchy {
   /// as they lie below these nodes. Sphere i is node i. Costs what the whole hierarchy holds.
   [[nodiscard]] SphereMesh cut(std::span<const NodeId> nodes) const;
 
+  /// What it is made of.
   [[nodiscard]] const Parts& parts() const noexcept { return parts_; }
 
  private:

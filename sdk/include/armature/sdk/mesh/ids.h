@@ -25,6 +25,7 @@ class Id {
   [[nodiscard]] constexpr bool valid() const noexcept { return value_ != kNone; }
 
   friend constexpr bool operator==(Id, Id) noexcept = default;
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes the comparison with 0 for one of pointers.
   friend constexpr std::strong_ordering operator<=>(Id, Id) noexcept = default;
 
  private:
@@ -39,7 +40,9 @@ using SphereId = Id<struct SphereTag>;  ///< of a sphere-mesh
 
 }  // namespace armature::sdk
 
+/// Ids as keys of unordered containers.
 template <class Tag>
 struct std::hash<armature::sdk::Id<Tag>> {
+  /// By the place in the array.
   std::size_t operator()(armature::sdk::Id<Tag> id) const noexcept { return std::hash<std::size_t>{}(id.index()); }
 };

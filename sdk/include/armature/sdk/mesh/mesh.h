@@ -25,7 +25,9 @@ struct Mesh {
   std::vector<Colour> vertex_colours = {};      ///< by VertexId, or empty
   std::vector<Colour> face_colours = {};        ///< by FaceId, or empty
 
+  /// Where a vertex lies.
   [[nodiscard]] const Eigen::Vector3d& position(VertexId vertex) const noexcept { return positions[vertex.index()]; }
+  /// The corners of a face.
   [[nodiscard]] const Triangle& triangle(FaceId face) const noexcept { return triangles[face.index()]; }
   /// The position of a corner (0, 1 or 2) of a face.
   [[nodiscard]] const Eigen::Vector3d& corner(FaceId face, std::size_t k) const noexcept {

@@ -22,7 +22,7 @@ enum class FitMode : std::uint8_t {
 
 /// How a sphere-mesh is fitted to a mesh.
 struct RefineOptions {
-  FitMode mode = FitMode::Best;
+  FitMode mode = FitMode::Best;  ///< on which side it may err
   /// How often spheres are moved to where the error is and the connectivity is repaired, each time with some steps of
   /// Gauss-Newton; 0 keeps the connectivity.
   int rounds = 4;

@@ -20,6 +20,7 @@ struct SphereMesh {
   std::vector<SpherePair> edges = {};        ///< wire edges: those on no triangle; sorted, each once
   std::vector<SphereTriple> triangles = {};  ///< sorted, each once
 
+  /// The sphere of that name.
   [[nodiscard]] const Sphere& sphere(SphereId id) const noexcept { return spheres[id.index()]; }
 };
 

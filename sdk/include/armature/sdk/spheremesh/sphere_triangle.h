@@ -13,9 +13,9 @@ namespace armature::sdk {
 /// its sides are two facets with normals +-sqrt(1 - |g|^2) n - g, each touching all three spheres, and three cones.
 /// Where |g| >= 1, or the centres lie on a line, there are no facets: it is the union of its three edges.
 struct SphereTriangle {
-  Sphere a;
-  Sphere b;
-  Sphere c;
+  Sphere a;  ///< of the first weight
+  Sphere b;  ///< of the second weight
+  Sphere c;  ///< of the third weight
 };
 
 /// The sphere with barycentric weights `weights` of the triangle.
@@ -36,30 +36,34 @@ struct Touch {
   return point - touch.distance * touch.normal;
 }
 
+///@{
 /// The nearest interpolated sphere. Of several, one is chosen.
 [[nodiscard]] Touch touch(const Sphere& sphere, const Eigen::Vector3d& point) noexcept;
 [[nodiscard]] Touch touch(const SphereEdge& edge, const Eigen::Vector3d& point) noexcept;
 [[nodiscard]] Touch touch(const SphereTriangle& triangle, const Eigen::Vector3d& point) noexcept;
+///@}
 
 /// Distance from a point to the surface, exact, negative inside.
 [[nodiscard]] double signed_distance(const SphereTriangle& triangle, const Eigen::Vector3d& point) noexcept;
 
 /// A crossing of a ray and an interpolated shape: the point is origin + t direction.
 struct Crossing {
-  double t = 0;
+  double t = 0;                                        ///< how far along the ray
   Eigen::Vector3d weights = Eigen::Vector3d::UnitX();  ///< of the interpolated sphere that is touched there
 };
 
 /// The part of a line that lies within a convex shape; either end may lie behind the origin.
 struct Passage {
-  Crossing entry;
-  Crossing exit;
+  Crossing entry;  ///< at the smaller t
+  Crossing exit;   ///< at the larger t
 };
 
+///@{
 /// Where the line of a ray passes through.
 [[nodiscard]] std::optional<Passage> passage(const Sphere& sphere, const Ray& ray) noexcept;
 [[nodiscard]] std::optional<Passage> passage(const SphereEdge& edge, const Ray& ray) noexcept;
 [[nodiscard]] std::optional<Passage> passage(const SphereTriangle& triangle, const Ray& ray) noexcept;
+///@}
 
 /// The first crossing of the surface at t > 0: the entry for an origin outside, the exit for one inside.
 [[nodiscard]] std::optional<Crossing> intersect(const SphereTriangle& triangle, const Ray& ray) noexcept;
