@@ -55,9 +55,7 @@ class Builder {
  public:
   Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights)
       : options_(options),
-        shape_(NormalisedShape::of(mesh)),
-        origin_(shape_.origin),
-        scale_(shape_.scale),
+        shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
         metric_(shape_, {.weights = weights, .regularise = options.regularise, .by_increase = options.by_increase}),
         complex_(vertex_count(), shape_.triangles, links_of_loose_vertices(shape_, options.labels)),
         recorder_(shape_.positions.size()),
@@ -69,11 +67,12 @@ class Builder {
                 static_cast<std::uint32_t>(std::clamp<std::size_t>(options.stop_at, 1, vertex_count()))) {
     for (const auto& [vertex, sphere] : options.pinned) {
       const auto slot = static_cast<std::uint32_t>(vertex.index());
-      metric_.pin(slot, sphere ? Sphere{(sphere->centre - origin_) / scale_, sphere->radius / scale_}
+      metric_.pin(slot, sphere ? Sphere{shape_.from_model(sphere->centre), sphere->radius / shape_.scale}
                                : Sphere{shape_.positions[slot], 0});
     }
     if (!options.keep_topology) add_links(links_through_the_solid(shape_, options.enrichment));
-    shape_ = {};
+    shape_.positions = {};
+    shape_.triangles = {};
     decimation_.offer(0);
   }
 
@@ -98,9 +97,9 @@ class Builder {
   }
 
   [[nodiscard]] std::uint32_t collapses() const noexcept { return complex_.steps(); }
-  [[nodiscard]] const Eigen::Vector3d& origin() const noexcept { return origin_; }
-  [[nodiscard]] double scale() const noexcept { return scale_; }
   [[nodiscard]] Recorder take_recorder() noexcept { return std::move(recorder_); }
+  /// How it lies in the model; its parts are gone.
+  [[nodiscard]] NormalisedShape take_shape() noexcept { return std::move(shape_); }
 
  private:
   [[nodiscard]] std::uint32_t vertex_count() const noexcept {
@@ -112,9 +111,7 @@ class Builder {
   }
 
   const HierarchyOptions& options_;
-  NormalisedShape shape_;  // empty once all is set up
-  Eigen::Vector3d origin_;
-  double scale_;
+  NormalisedShape shape_;  // without positions and triangles once all is set up
   SqemMetric metric_;
   CollapseComplex complex_;
   Recorder recorder_;
@@ -145,11 +142,10 @@ Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOption
   build.statistics.decimate_ms = milliseconds_since(decimating);
   build.statistics.collapses = builder->collapses();
 
-  const Eigen::Vector3d origin = builder->origin();
-  const double scale = builder->scale();
+  const NormalisedShape shape = builder->take_shape();
   Recorder recorder = builder->take_recorder();
   builder.reset();
-  auto hierarchy = Hierarchy::assemble(recorder.finish(mesh, origin, scale));
+  auto hierarchy = Hierarchy::assemble(recorder.finish(mesh, shape));
   if (!hierarchy) return tl::unexpected(hierarchy.error());
   build.hierarchy = std::move(*hierarchy);
   return build;

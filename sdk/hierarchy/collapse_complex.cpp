@@ -268,7 +268,7 @@ void CollapseComplex::Stars::allot(std::span<const std::uint32_t> sizes) {
     begin_[k] = total;
     total += sizes[k];
   }
-  items_.reserve(total + total / 2);
+  items_.reserve(total + total / kSlack);
   items_.resize(total);
 }
 
@@ -302,7 +302,7 @@ void CollapseComplex::Stars::pack(std::uint32_t more) {
   std::size_t live = more;
   for (const auto size : size_) live += size;
   std::vector<std::uint32_t> packed;
-  packed.reserve(live + live / 2);
+  packed.reserve(live + live / kSlack);
   for (std::size_t slot = 0; slot < begin_.size(); ++slot) {
     const auto from = items_.begin() + begin_[slot];
     begin_[slot] = static_cast<std::uint32_t>(packed.size());

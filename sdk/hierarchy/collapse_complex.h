@@ -88,6 +88,8 @@ class CollapseComplex {
     void merge(std::uint32_t kept, std::uint32_t gone, std::span<const std::uint32_t> list);
 
    private:
+    /// Room for new lists is a fourth of what is used; when it is gone, what was freed is gathered.
+    static constexpr std::uint32_t kSlack = 4;
     void pack(std::uint32_t more);
 
     std::vector<std::uint32_t> items_;

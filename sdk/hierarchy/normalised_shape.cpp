@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 namespace armature::sdk {
@@ -64,17 +65,47 @@ double winding(const NormalisedShape& shape, const Component& component, const E
   return angle / (4 * EIGEN_PI);
 }
 
+/// The rotation to the principal axes of the surface's second moments. Which way they point does not matter: the
+/// directions that depend on the frame are the same in all 48 symmetries of a cube.
+Eigen::Matrix3d own_axes(const Mesh& mesh, const Eigen::Vector3d& origin) {
+  double area = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (const auto& triangle : mesh.triangles) {
+    std::array<Eigen::Vector3d, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = mesh.position(triangle[k]) - origin;
+    const double a = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    const Eigen::Vector3d sum = p[0] + p[1] + p[2];
+    area += a;
+    first += a / 3 * sum;
+    second += a / 12 * sum * sum.transpose();
+    for (const auto& corner : p) second += a / 12 * corner * corner.transpose();
+  }
+  if (!(area > 0)) return Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d spread = second - first * first.transpose() / area;
+  if (!spread.allFinite()) return Eigen::Matrix3d::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  const Eigen::Vector3d& values = solver.eigenvalues();
+  constexpr double kAlike = 0.01;
+  if (!(values[1] - values[0] > kAlike * values[2]) || !(values[2] - values[1] > kAlike * values[2]))
+    return Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d turn = solver.eigenvectors().transpose();
+  if (turn.determinant() < 0) turn.row(0) = -turn.row(0);
+  return turn;
+}
+
 }  // namespace
 
-NormalisedShape NormalisedShape::of(const Mesh& mesh) {
+NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame) {
   NormalisedShape shape;
+  if (frame == ShapeFrame::Own && !mesh.positions.empty()) shape.turn = own_axes(mesh, mesh.positions.front());
   Eigen::AlignedBox3d box;
-  for (const auto& position : mesh.positions) box.extend(position);
-  if (!mesh.positions.empty()) shape.origin = box.min() + 0.5 * (box.max() - box.min());
+  for (const auto& position : mesh.positions) box.extend(shape.turn * position);
+  if (!mesh.positions.empty()) shape.origin = shape.turn.transpose() * (box.min() + 0.5 * (box.max() - box.min()));
   const double diagonal = mesh.positions.empty() ? 0 : (box.max() - box.min()).norm();
   if (diagonal > 0 && std::isfinite(1 / diagonal)) shape.scale = diagonal;
   shape.positions.reserve(mesh.positions.size());
-  for (const auto& position : mesh.positions) shape.positions.push_back((position - shape.origin) / shape.scale);
+  for (const auto& position : mesh.positions) shape.positions.push_back(shape.from_model(position));
   shape.triangles.reserve(mesh.triangles.size());
   for (const auto& triangle : mesh.triangles) {
     auto& corners = shape.triangles.emplace_back();

@@ -9,17 +9,30 @@
 
 namespace armature::sdk {
 
-/// A mesh moved and scaled to a bounding box about the origin with a diagonal of 1 (unscaled if it has none), every
-/// component's triangles outward.
+/// Which way a shape is turned.
+enum class ShapeFrame : std::uint8_t {
+  Model,  ///< as it comes
+  Own,    ///< to the principal axes of its surface, so that nothing depends on how it came; as it comes where two of
+          ///< its spreads are so alike that noise would decide
+};
+
+/// A mesh turned, moved and scaled to a bounding box about the origin with a diagonal of 1 (unscaled if it has none),
+/// every component's triangles outward.
 struct NormalisedShape {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the bounding box's middle in the model's coordinates
-  double scale = 1;                                  ///< the diagonal
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();    ///< the bounding box's middle, in the model's coordinates
+  double scale = 1;                                    ///< the diagonal
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< shape_from_model, a rotation
+
+  /// A point of the model where the shape has it.
+  [[nodiscard]] Eigen::Vector3d from_model(const Eigen::Vector3d& point) const {
+    return turn * ((point - origin) / scale);
+  }
 
   /// Outward is judged for each component by the sign of its volume; one that is inside out is turned unless something
   /// encloses it: then it is the inner wall of a shell.
-  [[nodiscard]] static NormalisedShape of(const Mesh& mesh);
+  [[nodiscard]] static NormalisedShape of(const Mesh& mesh, ShapeFrame frame = ShapeFrame::Model);
 };
 
 }  // namespace armature::sdk

@@ -32,12 +32,22 @@ void Recorder::take(CollapseComplex& complex) {
   wire_events_ = complex.take_wire_events();
 }
 
-Hierarchy::Parts Recorder::finish(const Mesh& mesh, const Eigen::Vector3d& origin, double scale) {
-  parts_.origin = origin;
-  parts_.scale = scale;
+Hierarchy::Parts Recorder::finish(const Mesh& mesh, const NormalisedShape& shape) {
+  parts_.origin = shape.origin;
+  parts_.scale = shape.scale;
+  // The hierarchy's axes are the model's.
+  const Eigen::Matrix3f back = shape.turn.transpose().cast<float>();
+  if (!shape.turn.isIdentity(0)) {
+    for (auto& [x, y, z, radius] : parts_.spheres) {
+      const Eigen::Vector3f centre = back * Eigen::Vector3f(x, y, z);
+      x = centre.x();
+      y = centre.y();
+      z = centre.z();
+    }
+  }
   parts_.leaves.reserve(mesh.positions.size());
   for (const auto& position : mesh.positions) {
-    const Eigen::Vector3f p = ((position - origin) / scale).cast<float>();
+    const Eigen::Vector3f p = ((position - shape.origin) / shape.scale).cast<float>();
     parts_.leaves.push_back({p.x(), p.y(), p.z()});
   }
   sort_triangles(mesh);

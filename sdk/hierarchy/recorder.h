@@ -7,6 +7,7 @@
 #include <armature/sdk/mesh/mesh.h>
 
 #include "sdk/hierarchy/collapse_complex.h"
+#include "sdk/hierarchy/normalised_shape.h"
 
 namespace armature::sdk {
 
@@ -22,7 +23,7 @@ class Recorder {
   /// Takes what the complex knows, once the last collapse is recorded.
   void take(CollapseComplex& complex);
   /// All parts, once everything is taken.
-  [[nodiscard]] Hierarchy::Parts finish(const Mesh& mesh, const Eigen::Vector3d& origin, double scale);
+  [[nodiscard]] Hierarchy::Parts finish(const Mesh& mesh, const NormalisedShape& shape);
 
  private:
   void sort_triangles(const Mesh& mesh);

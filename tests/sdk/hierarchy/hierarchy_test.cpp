@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/distance/measure.h>
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/hierarchy/hierarchy.h>
@@ -227,6 +228,31 @@ TEST(Build, HasTheSizesOfTheThesisWithItsSettings) {
   EXPECT_LT(errors->hausdorff, 1.1 * 3.357);
   EXPECT_LT(errors->mean_input_to_approximation, 1.1 * 0.564);
   EXPECT_LT(errors->mean_approximation_to_input, 1.1 * 0.620);
+}
+
+TEST(Build, IsTheSameHoweverTheModelIsTurned) {
+  const std::filesystem::path path = "../shared/data/meshes/camel_mc_2020.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const auto mesh = read_mesh(path);
+  ASSERT_TRUE(mesh);
+  const auto upright = hierarchy_of(*mesh).level(50);
+  ASSERT_TRUE(upright);
+  const auto expected = measure(*mesh, *upright, {.samples = 5000});
+  ASSERT_TRUE(expected);
+  for (const double angle : {0.3, 1.0, 2.5}) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(angle, Eigen::Vector3d(1, -2, angle).normalized()).toRotationMatrix();
+    auto turned = *mesh;
+    for (auto& p : turned.positions) p = turn * p;
+    auto level = hierarchy_of(turned).level(50);
+    ASSERT_TRUE(level);
+    for (auto& sphere : level->spheres) sphere.centre = turn.transpose() * sphere.centre;
+    const auto errors = measure(*mesh, *level, {.samples = 5000});
+    ASSERT_TRUE(errors);
+    EXPECT_NEAR(errors->hausdorff / expected->hausdorff, 1, 0.05);
+    EXPECT_NEAR(errors->mean_input_to_approximation / expected->mean_input_to_approximation, 1, 0.05);
+    EXPECT_NEAR(errors->mean_approximation_to_input / expected->mean_approximation_to_input, 1, 0.05);
+  }
 }
 
 TEST(Build, RefusesWhatItCannotUse) {

@@ -31,6 +31,10 @@ struct HierarchyOptions {
   /// Collapses are ranked by how much they add to the error of all regions, the sum that is to be small (equation 4.3);
   /// else, as in the thesis, by the error of the region that they make.
   bool by_increase = true;
+  /// The directions in which regions are measured for the bound of their radius (section 4.6.3) are taken about the
+  /// principal axes of the surface, so that the result does not depend on how the model is turned; else, as in the
+  /// thesis, about the model's axes.
+  bool own_frame = true;
   /// Vertices nearer than so much of the bounding box's diagonal may be joined through the solid, although no edge
   /// joins them (section 4.6.5). 0: none. Not with `keep_topology`.
   double enrichment = 0;
@@ -45,7 +49,9 @@ struct HierarchyOptions {
   std::size_t stop_at = 1;
 
   /// The settings of the thesis's results.
-  [[nodiscard]] static HierarchyOptions paper() { return {.importance = 1, .regularise = 0, .by_increase = false}; }
+  [[nodiscard]] static HierarchyOptions paper() {
+    return {.importance = 1, .regularise = 0, .by_increase = false, .own_frame = false};
+  }
 };
 
 /// What a build took.
