@@ -12,8 +12,8 @@
 namespace armature::sdk {
 namespace {
 
-/// Reads OBJ statements into polygons. Not through tinyobjloader, which rounds two of three coordinates to a neighbour
-/// of the nearest double and lets malformed and non-finite ones through as zeros; the tests hold this against it.
+/// Reads OBJ statements into polygons. Not through tinyobjloader, which rounds more than half of all coordinates to a
+/// neighbour of the nearest double; the tests hold this against it.
 class ObjParser {
  public:
   ObjParser(std::string_view text, std::string_view name)
