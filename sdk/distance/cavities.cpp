@@ -2,10 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace armature::sdk {
 
 using Eigen::Vector3d;
+
+namespace {
+
+/// What must be free around the middle of a cell, and of the way to the next, in cells: no leaving through cracks.
+constexpr double kClearance = 0.4;
+
+}  // namespace
 
 Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
   const auto [lower, upper] = tree.bounds();
@@ -21,10 +29,12 @@ Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
   cells_.assign(
       static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(count_[2]),
       Cell::Free);
+  free_around_.assign(cells_.size(), static_cast<float>(spacing_));
   int size = 1;
   while (size < std::max({count_[0], count_[1], count_[2]})) size *= 2;
   classify(tree, {0, 0, 0}, size);
-  flood();
+  flood(tree);
+  free_around_ = {};
   any_ = std::find(cells_.begin(), cells_.end(), Cell::Free) != cells_.end();
   if (!any_) cells_.clear();
 }
@@ -40,7 +50,11 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
       origin_ + spacing_ * Vector3d(first[0] + size / 2.0, first[1] + size / 2.0, first[2] + size / 2.0);
   const double reach = std::sqrt(3.0) / 2 * (size - 1) * spacing_;  // to the middle of the farthest cell
   const double distance = tree.signed_distance(centre);
-  if (distance > reach) return;  // free, as all cells are at first
+  if (distance > reach + spacing_ / 2) return;  // free, as all cells are at first
+  if (size == 1 && distance > kClearance * spacing_) {
+    free_around_[index(first)] = static_cast<float>(distance);
+    return;
+  }
   if (size == 1 || distance <= -reach) {
     for (int z = first[2]; z < std::min(first[2] + size, count_[2]); ++z)
       for (int y = first[1]; y < std::min(first[1] + size, count_[1]); ++y)
@@ -52,20 +66,38 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
     classify(tree, {first[0] + (k & 1) * half, first[1] + (k >> 1 & 1) * half, first[2] + (k >> 2) * half}, half);
 }
 
-void Cavities::flood() {
+bool Cavities::joined(const SphereMeshTree& tree, const std::array<int, 3>& a, const std::array<int, 3>& b) const {
+  const double at_a = free_around_[index(a)];
+  const double at_b = free_around_[index(b)];
+  if (at_a + at_b >= spacing_ * (1 - 1e-6)) return true;
+  // Balls around points between must cover the rest of the way.
+  const std::function<bool(const Vector3d&, double, const Vector3d&, double)> open =
+      [&](const Vector3d& from, double free_from, const Vector3d& to, double free_to) {
+        const double length = (to - from).norm();
+        if (free_from + free_to >= length) return true;
+        if (length < 1e-2 * spacing_) return false;
+        const Vector3d between = (from + to) / 2;
+        const double free_between = tree.signed_distance(between);
+        return free_between > kClearance * spacing_ && open(from, free_from, between, free_between) &&
+               open(between, free_between, to, free_to);
+      };
+  return open(middle(a), at_a, middle(b), at_b);
+}
+
+void Cavities::flood(const SphereMeshTree& tree) {
   // By rows along x: each stretch of free cells is filled at once, and its neighbours looked through for others.
   struct Stretch {
     int first, end, y, z;
   };
   std::vector<Stretch> front;
+  const auto is_free = [&](int x, int y, int z) { return cells_[index({x, y, z})] == Cell::Free; };
   const auto fill = [&](int x, int y, int z) {
     Stretch s{x, x + 1, y, z};
-    while (s.first > 0 && cells_[index({s.first - 1, y, z})] == Cell::Free) --s.first;
-    while (s.end < count_[0] && cells_[index({s.end, y, z})] == Cell::Free) ++s.end;
+    while (s.first > 0 && is_free(s.first - 1, y, z) && joined(tree, {s.first, y, z}, {s.first - 1, y, z})) --s.first;
+    while (s.end < count_[0] && is_free(s.end, y, z) && joined(tree, {s.end - 1, y, z}, {s.end, y, z})) ++s.end;
     const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(index({s.first, y, z}));
     std::fill(begin, begin + (s.end - s.first), Cell::Outer);
     front.push_back(s);
-    return s.end;
   };
   fill(0, 0, 0);
   while (!front.empty()) {
@@ -76,7 +108,7 @@ void Cavities::flood() {
       const int z = s.z + dz;
       if (y < 0 || y >= count_[1] || z < 0 || z >= count_[2]) continue;
       for (int x = s.first; x < s.end; ++x)
-        if (cells_[index({x, y, z})] == Cell::Free) x = fill(x, y, z);
+        if (is_free(x, y, z) && joined(tree, {x, s.y, s.z}, {x, y, z})) fill(x, y, z);
     }
   }
 }
@@ -91,7 +123,9 @@ Cavities::Found Cavities::look(const SphereMeshTree& tree, const Vector3d& x, Ne
   }
   nearest = tree.nearest(x);
   if (nearest.distance <= (x - middle(cell)).norm()) return Found::Nothing;
-  return cells_[index(cell)] == Cell::Free ? Found::Closed : Found::Open;
+  const Cell state = cells_[index(cell)];
+  if (state == Cell::Solid) return Found::Nothing;
+  return state == Cell::Free ? Found::Closed : Found::Open;
 }
 
 bool Cavities::holds(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
@@ -147,9 +181,17 @@ bool Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const 
 
 bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {
   if (!any_) return false;
-  // As far off as nothing else is nearer.
+  // As far off as nothing else is much nearer; beside another wall, between the two.
   double step = spacing_;
-  for (int k = 0; k < 12 && tree.signed_distance(point + step * normal) < 0.3 * step; ++k) step /= 2;
+  for (int k = 0; k < 12; ++k, step /= 2) {
+    const Vector3d ahead = point + step * normal;
+    const NearestSphere nearest = tree.nearest(ahead);
+    if (nearest.distance >= 0.3 * step) return holds(tree, ahead);
+    const Vector3d between = normal + nearest.normal;
+    if (!(between.squaredNorm() > 1e-6)) continue;
+    const Vector3d off = point + step * between.normalized();
+    if (tree.signed_distance(off) >= 0.03 * step) return holds(tree, off);
+  }
   return holds(tree, point + step * normal);
 }
 

@@ -9,8 +9,8 @@
 namespace armature::sdk {
 
 /// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells whose
-/// middle is free are flooded from outside, face to face. A void may be missed where all are narrower than a cell, and
-/// one whose way out is narrower than a cell counts as closed.
+/// middle is free are flooded from outside, face to face, wherever the way between the middles is free. A void may be
+/// missed where all are narrower than a cell, and one whose way out is narrower than a cell counts as closed.
 class Cavities {
  public:
   /// `resolution` cells along the longest side of the bounding box.
@@ -35,7 +35,9 @@ class Cavities {
   [[nodiscard]] bool explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
 
   void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size);
-  void flood();
+  void flood(const SphereMeshTree& tree);
+  /// Whether the way between the middles of two neighbouring free cells is free all along.
+  [[nodiscard]] bool joined(const SphereMeshTree& tree, const std::array<int, 3>& a, const std::array<int, 3>& b) const;
   [[nodiscard]] Eigen::Vector3d middle(const std::array<int, 3>& cell) const noexcept;
   [[nodiscard]] std::size_t index(const std::array<int, 3>& cell) const noexcept {
     return (static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(count_[1]) +
@@ -48,6 +50,7 @@ class Cavities {
   double spacing_ = 1;
   std::array<int, 3> count_{};
   std::vector<Cell> cells_;
+  std::vector<float> free_around_;  // at the middle of each cell, while flooding
   bool any_ = false;
 };
 

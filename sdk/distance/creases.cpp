@@ -25,12 +25,10 @@ class CreaseTracer {
   void trace(std::span<const Piece> pieces) {
     for (const Piece piece : pieces) {
       const TouchedSpheres s = shape_.spheres_of(piece);
-      const auto owned = static_cast<std::size_t>(std::count_if(s.begin(), s.end(), [&](SphereId id) {
-        return id.valid() && is_own(id);
-      }));
-      const auto named = static_cast<std::size_t>(std::count_if(s.begin(), s.end(), [](SphereId id) {
-        return id.valid();
-      }));
+      const auto owned = static_cast<std::size_t>(
+          std::count_if(s.begin(), s.end(), [&](SphereId id) { return id.valid() && is_own(id); }));
+      const auto named =
+          static_cast<std::size_t>(std::count_if(s.begin(), s.end(), [](SphereId id) { return id.valid(); }));
       if (owned == named) continue;
       // A primitive on the patch's own spheres and another one covers a side of the patch up to a tangent line, which
       // is no crease.

@@ -60,8 +60,7 @@ double area_of(const SpherePieces& shape, const Patch& patch) noexcept {
     case Patch::Kind::Facet: break;
   }
   std::array<Vector3d, 3> corner;
-  for (std::size_t k = 0; k < 3; ++k)
-    corner[k] = at(shape, patch, Vector3d::Unit(static_cast<Eigen::Index>(k))).point;
+  for (std::size_t k = 0; k < 3; ++k) corner[k] = at(shape, patch, Vector3d::Unit(static_cast<Eigen::Index>(k))).point;
   return (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm() / 2;
 }
 
@@ -174,9 +173,7 @@ std::vector<PatchTriangle> cover(const SpherePieces& shape, const Patch& patch) 
         }
       break;
     }
-    case Patch::Kind::Facet:
-      triangles.push_back({Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()});
-      break;
+    case Patch::Kind::Facet: triangles.push_back({Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}); break;
   }
   return triangles;
 }
@@ -194,8 +191,8 @@ PatchReach reach_of(const SpherePieces& shape, const Patch& patch, const PatchTr
       // Along the generator to the corner's height, then around: each step is at most its parameter's.
       const EdgeGauge& e = shape.edges[patch.index];
       reach.middle = sum / 3;
-      const double radius = e.cosine * std::max({e.radius_a + e.g * t[0][0], e.radius_a + e.g * t[1][0],
-                                                 e.radius_a + e.g * t[2][0]});
+      const double radius =
+          e.cosine * std::max({e.radius_a + e.g * t[0][0], e.radius_a + e.g * t[1][0], e.radius_a + e.g * t[2][0]});
       for (const Vector3d& corner : t) {
         const Vector3d d = (corner - reach.middle).cwiseAbs();
         reach.distance = std::max(reach.distance, std::hypot(d[0] * e.cosine, d[1] * radius));

@@ -40,10 +40,8 @@ SpherePieces::SpherePieces(const SphereMesh& shape) : spheres(shape.spheres) {
 std::vector<Piece> SpherePieces::all() const {
   std::vector<Piece> pieces;
   pieces.reserve(edges.size() + facets.size());
-  for (std::size_t k = 0; k < edges.size(); ++k)
-    pieces.push_back({Piece::Kind::Edge, static_cast<std::uint32_t>(k)});
-  for (std::size_t k = 0; k < facets.size(); ++k)
-    pieces.push_back({Piece::Kind::Facet, static_cast<std::uint32_t>(k)});
+  for (std::size_t k = 0; k < edges.size(); ++k) pieces.push_back({Piece::Kind::Edge, static_cast<std::uint32_t>(k)});
+  for (std::size_t k = 0; k < facets.size(); ++k) pieces.push_back({Piece::Kind::Facet, static_cast<std::uint32_t>(k)});
   return pieces;
 }
 
