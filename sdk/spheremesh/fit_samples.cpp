@@ -64,12 +64,21 @@ class PieceSampler {
 
   [[nodiscard]] bool wanted(const Corners& corners) const { return !only_ || only_(corners); }
 
-  /// How many samples a piece of this area gets; what rounding takes from one piece the next ones get back.
-  std::size_t share(double area) noexcept {
-    due_ += area * density_;
+  /// How many samples a piece gets, and how much of a sample's area each stands for.
+  struct Count {
+    std::size_t samples;
+    double share;
+  };
+  /// What rounding takes from one piece the next ones get back. However small, a piece may reach far out: it gets a
+  /// few.
+  Count samples_of(double area) noexcept {
+    constexpr double kFewest = 4;
+    const double wanted = area * density_;
+    if (wanted < kFewest) return {static_cast<std::size_t>(kFewest), wanted / kFewest};
+    due_ += wanted;
     const double whole = std::floor(due_);
     due_ -= whole;
-    return static_cast<std::size_t>(whole);
+    return {static_cast<std::size_t>(whole), 1};
   }
 
   void sample_spheres() {
@@ -90,14 +99,14 @@ class PieceSampler {
     for (std::uint32_t k = 0; k < count; ++k) {
       if (!wanted({k, k, k})) continue;
       const Sphere& s = gauge_.spheres()[k];
-      const std::size_t n = share(4 * pi * s.radius * s.radius);
+      const auto [n, share] = samples_of(4 * pi * s.radius * s.radius);
       for (std::size_t i = 0; i < n; ++i) {
         const double z = 1 - 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
         const double turn = 2 * pi * fraction(static_cast<double>(i) * (std::numbers::phi - 1));
         const double away = std::sqrt(1 - z * z);
         const Vector3d d(away * std::cos(turn), away * std::sin(turn), z);
         if (std::none_of(caps[k].begin(), caps[k].end(), [&](const Cap& cap) { return d.dot(cap.axis) > cap.limit; }))
-          samples_.push_back({s.centre + s.radius * d, d, {k, k, k}, {1, 0, 0}});
+          samples_.push_back({s.centre + s.radius * d, d, {k, k, k}, {1, 0, 0}, UnionSample::kSphere, share});
       }
     }
   }
@@ -129,21 +138,23 @@ class PieceSampler {
     const double ra = edge.radius_a;
     const double growth = edge.radius_b - ra;
     const double slant = edge.length * edge.cosine;
-    const std::size_t n = share(pi * edge.cosine * (ra + edge.radius_b) * slant);
+    const auto [n, share] = samples_of(pi * edge.cosine * (ra + edge.radius_b) * slant);
     const Vector3d x = any_normal_to(edge.u);
     const Vector3d y = edge.u.cross(x);
     for (std::size_t i = 0; i < n; ++i) {
       const auto [place, turn] = even_place(i);
       // Area grows with the radius: the inverse of its integral along the cone.
-      const bool straight = std::abs(growth) < 1e-9 * (ra + edge.radius_b);
-      const double t = straight ? place : (std::sqrt(ra * ra + place * growth * (2 * ra + growth)) - ra) / growth;
+      const bool straight = std::abs(growth) <= 1e-9 * (ra + edge.radius_b);
+      const double t =
+          straight ? place : (std::sqrt(std::max(0.0, ra * ra + place * growth * (2 * ra + growth))) - ra) / growth;
       const Vector3d d = edge.cosine * (std::cos(2 * pi * turn) * x + std::sin(2 * pi * turn) * y) - edge.g * edge.u;
       if (!covered(e, d))
         samples_.push_back({edge.centre(t * edge.length) + (ra + t * growth) * d,
                             d,
                             {a, b, b},
                             {1 - t, t, 0},
-                            static_cast<std::uint32_t>(e)});
+                            static_cast<std::uint32_t>(e),
+                            share});
     }
   }
 
@@ -157,7 +168,7 @@ class PieceSampler {
       const Vector3d pa = s[a].centre + s[a].radius * d;
       const Vector3d ab = s[b].centre + s[b].radius * d - pa;
       const Vector3d ac = s[c].centre + s[c].radius * d - pa;
-      const std::size_t n = share(0.5 * ab.cross(ac).norm());
+      const auto [n, share] = samples_of(0.5 * ab.cross(ac).norm());
       for (std::size_t i = 0; i < n; ++i) {
         auto [v, w] = even_place(i);
         if (v + w > 1) v = 1 - v, w = 1 - w;
@@ -165,7 +176,8 @@ class PieceSampler {
                             d,
                             {a, b, c},
                             {1 - v - w, v, w},
-                            static_cast<std::uint32_t>(gauge_.edge_count() + f)});
+                            static_cast<std::uint32_t>(gauge_.edge_count() + f),
+                            share});
       }
     }
   }
@@ -233,8 +245,7 @@ std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density, c
 
   std::vector<char> covered(taken.size(), 0);
   for_each_block(gauge, points, 0, [&](const NearbyPieces& pieces, std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      covered[k] = gauge.covers(pieces, points[k], kTouching) ? 1 : 0;
+    for (std::size_t k = begin; k < end; ++k) covered[k] = gauge.covers(pieces, points[k], kTouching) ? 1 : 0;
   });
   std::vector<UnionSample> boundary;
   for (std::size_t k = 0; k < order.size(); ++k)

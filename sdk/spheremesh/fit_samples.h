@@ -33,6 +33,7 @@ struct UnionSample {
   Corners corners{};       ///< of the interpolated sphere that it lies on
   std::array<double, 3> weights{};
   std::uint32_t piece = kSphere;  ///< as UnionTouch names it, or:
+  double share = 1;               ///< of a sample's area: pieces too small for many samples get some nevertheless
 
   static constexpr std::uint32_t kSphere = 0xFFFFFFFF;  ///< part of a sphere at a corner
 };

@@ -174,8 +174,9 @@ void UnionFit::forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) con
     const Vector3d away = samples_.points[k] - blend(gauge.spheres(), touch.corners, touch.weights).centre;
     const double length = away.norm();
     const Vector3d d = length > 1e-12 ? Vector3d(away / length) : samples_.normals[k];
-    rows[k] = {touch.distance, forward_weight(k, touch.distance), forward_cost(k, touch.distance), touch.corners,
-               touch.weights,  Vector4d(d[0], d[1], d[2], 1)};
+    rows[k] = {
+        touch.distance, forward_weight(k, touch.distance), forward_cost(k, touch.distance), plain_[k], touch.corners,
+        touch.weights,  Vector4d(d[0], d[1], d[2], 1)};
   }
 }
 
@@ -188,7 +189,7 @@ UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, 
   // The wall of a cavity lies within the input and, near its surface, looks the other way.
   const double shallow = y.normal.dot(normal) < 0.3 ? 2e-3 : 2 * outer.cell_size();
   if (within && q.distance > shallow && !outer.sees(y.point, y.normal))
-    return {0, 0, 0, y.corners, y.weights, Vector4d::Zero()};
+    return {0, 0, 0, 0, y.corners, y.weights, Vector4d::Zero()};
   Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
   double residual = q.distance;
   const double along = direction.dot(y.normal);
@@ -196,8 +197,9 @@ UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, 
   direction *= sign, residual *= sign;
   const double side = loss.side(within ? 1 : -1);
   return {residual,
-          side * loss.weight(residual),
-          side * loss.cost(residual),
+          side * loss.weight(residual, y.share),
+          side * loss.cost(residual, y.share),
+          y.share,
           y.corners,
           y.weights,
           Vector4d(direction[0], direction[1], direction[2], std::abs(along))};
@@ -214,8 +216,9 @@ void UnionFit::back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::
                         rows[k] = back_row(boundary[k], outer, hint);
                     });
   std::erase_if(rows, [](const Row& row) { return row.weight == 0; });
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(1, rows.size()));
-  for (Row& row : rows) row.weight *= share, row.cost *= share;
+  double area = 0;
+  for (const Row& row : rows) area += row.share;
+  for (Row& row : rows) row.weight /= std::max(1.0, area), row.cost /= std::max(1.0, area);
 }
 
 double UnionFit::back_cost(const UnionGauge& gauge, const OuterSpace& outer, const PieceFilter& pieces,
@@ -248,16 +251,18 @@ std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSp
   forward_rows(gauge, forward);
   back_rows(gauge, outer, back);
   error = {};
-  const auto sum = [&](std::span<const Row> rows, std::size_t plain, double& mean, double& worst) {
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      error.loss += rows[k].cost;
-      if (k < plain) mean += std::abs(rows[k].residual);
-      worst = std::max(worst, std::abs(rows[k].residual));
+  const auto sum = [&](const std::vector<Row>& rows, double& mean, double& worst) {
+    double area = 0;
+    for (const Row& row : rows) {
+      error.loss += row.cost;
+      mean += row.share * std::abs(row.residual);
+      area += row.share;
+      worst = std::max(worst, std::abs(row.residual));
     }
-    mean /= static_cast<double>(std::max<std::size_t>(1, plain));
+    if (area > 0) mean /= area;
   };
-  sum(forward, static_cast<std::size_t>(sample_count_), error.forward, error.worst_forward);
-  sum(back, back.size(), error.back, error.worst_back);
+  sum(forward, error.forward, error.worst_forward);
+  sum(back, error.back, error.worst_back);
   forward.insert(forward.end(), back.begin(), back.end());
   return forward;
 }

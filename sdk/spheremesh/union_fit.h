@@ -86,6 +86,7 @@ class UnionFit {
     double residual;
     double weight;  ///< 0: none
     double cost;
+    double share;  ///< of a sample's area; 0 to 1
     Corners corners{};
     std::array<double, 3> weights{};
     Eigen::Vector4d gradient;  ///< of the residual's distance by centre and radius of the interpolated sphere

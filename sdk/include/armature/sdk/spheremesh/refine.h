@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <armature/sdk/error.h>
@@ -24,14 +25,14 @@ enum class FitMode : std::uint8_t {
 struct RefineOptions {
   FitMode mode = FitMode::Best;  ///< on which side it may err
   /// How often spheres are moved to where the error is and the connectivity is repaired, each time with some steps of
-  /// Gauss-Newton; 0 keeps the connectivity.
-  int rounds = 4;
+  /// Gauss-Newton; 0 keeps the connectivity. Left out, it depends on the number of spheres: 4 and some more.
+  std::optional<int> rounds = {};
   /// Steps of Gauss-Newton in a round; four times as many in all where there are no rounds.
   int steps = 8;
   /// Points taken of either surface; 0 leaves it to the number of spheres.
   std::size_t samples = 0;
   /// How much the largest distances count beside the mean ones.
-  double tail = 0.5;
+  double tail = 1;
   /// Spheres that stay as they are, and keep their ids.
   std::vector<SphereId> pinned = {};
 };
