@@ -42,7 +42,7 @@ Expected<void> check(const SphereMesh& start, const RefineOptions& options) {
     if (id.index() >= count)
       return fail("refine: sphere " + std::to_string(id.index()) + " is pinned, but there are " +
                   std::to_string(count));
-  if (options.rounds.value_or(0) < 0 || options.steps < 0) return fail("refine: rounds and steps must not be negative");
+  if (options.rounds < 0 || options.steps < 0) return fail("refine: rounds and steps must not be negative");
   if (!(options.tail >= 0) || !std::isfinite(options.tail)) return fail("refine: tail must be finite and not negative");
   return {};
 }
@@ -60,7 +60,6 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
     s.centre = (s.centre - normalised.origin) / normalised.scale;
     s.radius /= normalised.scale;
   }
-  constexpr std::size_t kSpheresForARound = 50;  // one more round for as many
   constexpr std::size_t kFewest = 2500;
   constexpr std::size_t kPerSphere = 50;
   const std::size_t samples =
@@ -74,12 +73,10 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   constexpr double kForbidden = 20;
   if (options.mode == FitMode::Inner) fit.loss.outside = kForbidden;
   if (options.mode == FitMode::Outer) fit.loss.missing = kForbidden;
-  const auto extra = static_cast<int>(shape.spheres.size() / kSpheresForARound);
-  const int rounds = options.rounds.value_or(4 + std::min(extra, 6));
   // Far is what is several times the mean distance, which falls with the number of spheres.
   const FitError before = fit.error(shape);
   fit.loss.far = std::clamp(2.5 * (before.forward + before.back), 2e-3, 0.05);
-  search(fit, shape, {.rounds = rounds, .steps = options.steps}, fixed, task);
+  search(fit, shape, {.rounds = options.rounds, .steps = options.steps}, fixed, task);
   if (task.stopped()) return cancelled();
 
   constexpr double kPart = 5e-4;

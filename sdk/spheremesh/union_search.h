@@ -11,7 +11,7 @@ namespace armature::sdk {
 
 /// How long to look for a better connectivity.
 struct SearchEffort {
-  int rounds = 4;
+  int rounds = 3;
   int steps = 8;  ///< of Gauss-Newton in a round
 };
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include <armature/sdk/error.h>
@@ -25,8 +24,8 @@ enum class FitMode : std::uint8_t {
 struct RefineOptions {
   FitMode mode = FitMode::Best;  ///< on which side it may err
   /// How often spheres are moved to where the error is and the connectivity is repaired, each time with some steps of
-  /// Gauss-Newton; 0 keeps the connectivity. Left out, it depends on the number of spheres: 4 and some more.
-  std::optional<int> rounds = {};
+  /// Gauss-Newton; 0 keeps the connectivity.
+  int rounds = 3;
   /// Steps of Gauss-Newton in a round; four times as many in all where there are no rounds.
   int steps = 8;
   /// Points taken of either surface; 0 leaves it to the number of spheres.
