@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/elapsed.h"
 #include "tools/evaluation/published.h"
 #include "tools/evaluation/shapes.h"
 #include "tools/json_lines.h"
@@ -33,10 +34,6 @@ struct SphereMeshBenchOptions {
   std::vector<std::string> only;
   bool json = false;
 };
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// One approximation of one model, and how it came out.
 struct Approximation {

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/spheremesh/spheremesh.h"
+#include "tools/elapsed.h"
 #include "tools/json_lines.h"
 #include "tools/peak_memory.h"
 #include "tools/sdk_call.h"
@@ -34,10 +35,6 @@ struct BuildOptions {
 
 constexpr std::size_t kDefaultSpheres = 50;
 
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 sdk::HierarchyOptions hierarchy_options(const BuildOptions& options) {
   sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
   result.importance = options.importance.value_or(result.importance);
@@ -53,6 +50,9 @@ sdk::FitMode fit_mode(const BuildOptions& options) {
 }
 
 Expected<void> build(const BuildOptions& options) {
+  if (!sdk::sphere_mesh_format_of(options.out)) {
+    return fail(options.out + ": expected a name that ends with .ma, .ply or .urdf");
+  }
   SdkCall call;
   reset_peak_memory();
   const auto start = std::chrono::steady_clock::now();
@@ -74,6 +74,11 @@ Expected<void> build(const BuildOptions& options) {
   if (!options.hierarchy_out.empty()) {
     auto written = ours(sdk::write_hierarchy(hierarchy, options.hierarchy_out));
     if (!written) return written;
+  }
+
+  if (!options.error_percent && spheres < hierarchy.min_spheres()) {
+    return fail(fmt::format("{}: --keep-topology leaves no fewer than {} spheres; {} were asked for", options.in,
+                            hierarchy.min_spheres(), spheres));
   }
 
   double refine_ms = 0;
