@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sdk/hierarchy/collapse_complex.h"
-#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/mesh/normalised_shape.h"
 
 namespace armature::sdk {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "sdk/hierarchy/collapse_complex.h"
-#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/mesh/normalised_shape.h"
 
 namespace armature::sdk {
 

@@ -7,7 +7,7 @@
 #include <armature/sdk/mesh/mesh.h>
 
 #include "sdk/hierarchy/collapse_complex.h"
-#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/mesh/normalised_shape.h"
 
 namespace armature::sdk {
 

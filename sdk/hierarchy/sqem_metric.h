@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "sdk/hierarchy/normalised_shape.h"
-#include "sdk/hierarchy/radius_bound.h"
+#include "sdk/hierarchy/extents.h"
+#include "sdk/mesh/normalised_shape.h"
 #include "sdk/spheremesh/quadric_minimum.h"
 
 namespace armature::sdk {

@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <armature/sdk/mesh/measures.h>
 #include <armature/sdk/mesh/orientation.h>
+
+#include "sdk/mesh/nesting.h"
 
 namespace armature::sdk {
 namespace {
@@ -88,22 +88,6 @@ double volume_from(const Mesh& mesh, const Vector3d& apex, FaceId face) {
   return (mesh.corner(face, 0) - apex).dot((mesh.corner(face, 1) - apex).cross(mesh.corner(face, 2) - apex)) / 6;
 }
 
-/// How often faces wind around a point, by the sum of solid angles (van Oosterom and Strackee 1983).
-double winding_number(const Mesh& mesh, const Shell& shell, const Vector3d& point, const std::vector<bool>& turned) {
-  double angle = 0;
-  for (const FaceId face : shell.faces) {
-    const Vector3d a = mesh.corner(face, 0) - point;
-    const Vector3d b = mesh.corner(face, 1) - point;
-    const Vector3d c = mesh.corner(face, 2) - point;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    const double half = std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    angle += turned[face.index()] ? -2 * half : 2 * half;
-  }
-  return angle / (4 * std::numbers::pi);
-}
-
 /// The parts with their volumes.
 std::vector<Shell> gather(const Mesh& mesh, const Components& components, const std::vector<bool>& turned) {
   std::vector<Shell> shells(components.count);
@@ -141,48 +125,24 @@ std::vector<Shell> find_shells(const Mesh& mesh, const Adjacency& adjacency, con
   return shells;
 }
 
-/// A point of a shell's surface.
-Vector3d point_of(const Mesh& mesh, const Shell& shell) {
-  const FaceId face = shell.faces.front();
-  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+/// The shells by what lies in what, their faces turned as given.
+Nesting nesting_of(const Mesh& mesh, const std::vector<Shell>& shells, const std::vector<bool>& turned) {
+  std::vector<NestedPart> parts;
+  parts.reserve(shells.size());
+  for (const Shell& shell : shells) {
+    const FaceId face = shell.faces.front();
+    const Vector3d point = (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+    parts.push_back({.box = shell.box, .point = point, .inward = shell.inward});
+  }
+  return {std::move(parts), [&](std::size_t shell, const Vector3d& point) {
+            double sum = 0;
+            for (const FaceId face : shells[shell].faces) {
+              const double part = winding(mesh.corner(face, 0), mesh.corner(face, 1), mesh.corner(face, 2), point);
+              sum += turned[face.index()] ? -part : part;
+            }
+            return sum;
+          }};
 }
-
-/// Says of each shell whether the outermost shell around it, itself if there is none, points inward.
-class Nesting {
- public:
-  Nesting(const Mesh& mesh, const std::vector<Shell>& shells, const std::vector<bool>& turned)
-      : mesh_(mesh), shells_(shells), turned_(turned), by_size_(shells.size()) {
-    std::iota(by_size_.begin(), by_size_.end(), std::size_t{0});
-    std::stable_sort(by_size_.begin(), by_size_.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
-    for (const std::size_t i : by_size_)
-      if (shells[i].inward) inward_.push_back(i);
-  }
-
-  [[nodiscard]] bool points_inward(std::size_t i) const {
-    const auto may_hold = [&](std::size_t outer) {
-      return outer != i && size(outer) > size(i) && shells_[outer].box.contains(shells_[i].box);
-    };
-    // What can lie in nothing that points inward is as it is.
-    if (std::none_of(inward_.begin(), inward_.end(), may_hold) && !shells_[i].inward) return false;
-    for (const std::size_t outer : by_size_) {
-      if (size(outer) <= size(i)) break;
-      constexpr double kInside = 0.5;
-      if (may_hold(outer) &&
-          std::abs(winding_number(mesh_, shells_[outer], point_of(mesh_, shells_[i]), turned_)) > kInside)
-        return shells_[outer].inward;
-    }
-    return shells_[i].inward;
-  }
-
- private:
-  [[nodiscard]] double size(std::size_t i) const { return shells_[i].box.diagonal().squaredNorm(); }
-
-  const Mesh& mesh_;
-  const std::vector<Shell>& shells_;
-  const std::vector<bool>& turned_;
-  std::vector<std::size_t> by_size_;
-  std::vector<std::size_t> inward_;
-};
 
 }  // namespace
 
@@ -211,8 +171,8 @@ std::vector<double> signed_volumes(const Mesh& mesh, const Components& component
 Expected<std::vector<bool>> find_inward_faces(const Mesh& mesh, const Adjacency& adjacency, const Task& task) {
   std::vector<bool> turned = agree_within_patches(mesh, adjacency).turned;
   const std::vector<Shell> shells = find_shells(mesh, adjacency, turned);
-  if (std::none_of(shells.begin(), shells.end(), [](const Shell& shell) { return shell.inward; })) return turned;
-  const Nesting nesting(mesh, shells, turned);
+  const Nesting nesting = nesting_of(mesh, shells, turned);
+  if (!nesting.any_inward()) return turned;
   std::vector<bool> result = turned;
   for (std::size_t i = 0; i < shells.size(); ++i) {
     if (task.stopped()) return cancelled();

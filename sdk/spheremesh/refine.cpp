@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/mesh/normalised_shape.h"
 #include "sdk/spheremesh/surface_bounds.h"
 #include "sdk/spheremesh/union_search.h"
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/sdk/hierarchy/shapes.h"
+#include "tests/sdk/mesh/surfaces.h"
 
 namespace armature::sdk {
 namespace {
@@ -80,6 +81,15 @@ TEST(Build, TurnsAnInsideOutMeshOutward) {
   auto mesh = ball(2);
   for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_NEAR(hierarchy_of(mesh).level(1)->spheres[0].radius, 1, 0.05);
+}
+
+TEST(Build, TurnsAHollowBallThatIsInsideOutAsAWhole) {
+  using surfaces::inside_out;
+  const Mesh hollow = surfaces::together(ball(2), inside_out(surfaces::moved(ball(2), Eigen::Vector3d::Zero(), 0.9)));
+  const auto expected = hierarchy_of(hollow).level(2);
+  const auto twin = hierarchy_of(inside_out(hollow)).level(2);
+  ASSERT_TRUE(expected && twin);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(twin->spheres[k].radius, expected->spheres[k].radius, 1e-6);
 }
 
 TEST(Build, AbsorbsVerticesOnNoTriangleFirst) {

@@ -69,9 +69,9 @@ struct HierarchyBuild {
 
 /// Decimates a mesh by the spherical quadric error down to one sphere a component, then joins the components by the
 /// same measure until one is left: the complete hierarchy, unless `stop_at`, `keep_topology`, labels or pins end it
-/// before. Any mesh will do: non-manifold, open, degenerate, inside out (turned outward for the computation, component
-/// by component, where nothing encloses it). A vertex on no triangle is a sphere of radius 0. Deterministic. Fails for
-/// options out of range and meshes without vertices.
+/// before. Any mesh will do: non-manifold, open, degenerate, inside out (for the computation a component of negative
+/// volume is turned over together with what lies within it, unless it is itself within another). A vertex on no
+/// triangle is a sphere of radius 0. Deterministic. Fails for options out of range and meshes without vertices.
 [[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
                                                        const Task& task = {});
 

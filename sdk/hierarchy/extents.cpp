@@ -1,4 +1,4 @@
-#include "sdk/hierarchy/radius_bound.h"
+#include "sdk/hierarchy/extents.h"
 
 #include <cmath>
 

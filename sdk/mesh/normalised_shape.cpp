@@ -1,22 +1,46 @@
-#include "sdk/hierarchy/normalised_shape.h"
+#include "sdk/mesh/normalised_shape.h"
 
-#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "sdk/mesh/nesting.h"
 
 namespace armature::sdk {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Triangles that hang together by vertices, of which at least one is inside out by volume or could enclose one.
+/// Triangles that hang together by vertices.
 struct Component {
   std::vector<std::uint32_t> triangles;
   Eigen::AlignedBox3d box;
-  double volume = 0;  ///< signed, about the box's middle
+  bool inward = false;  ///< by the sign of its volume
 };
+
+/// Whether the cone from their centroid to triangles has a negative volume; false for what is flat.
+bool is_inside_out(const NormalisedShape& shape, const std::vector<std::uint32_t>& triangles) {
+  double area = 0;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  for (const auto t : triangles) {
+    const auto [a, b, c] = shape.corners(t);
+    const double weight = 0.5 * (b - a).cross(c - a).norm();
+    area += weight;
+    centroid += weight / 3 * (a + b + c);
+  }
+  if (!(area > 0)) return false;
+  centroid /= area;
+  double volume = 0;
+  for (const auto t : triangles) {
+    const auto [a, b, c] = shape.corners(t);
+    volume += (a - centroid).dot((b - centroid).cross(c - centroid)) / 6;
+  }
+  constexpr double kRounding = 1e-12;
+  return volume < -kRounding * area * std::sqrt(area);
+}
 
 std::vector<Component> components_of(const NormalisedShape& shape) {
   std::vector<std::uint32_t> parent(shape.positions.size());
@@ -40,29 +64,32 @@ std::vector<Component> components_of(const NormalisedShape& shape) {
     components[place].triangles.push_back(t);
     for (const auto corner : shape.triangles[t]) components[place].box.extend(shape.positions[corner]);
   }
-  for (auto& component : components) {
-    const Eigen::Vector3d middle = component.box.center();
-    for (const auto t : component.triangles) {
-      const auto& [a, b, c] = shape.triangles[t];
-      component.volume +=
-          (shape.positions[a] - middle).dot((shape.positions[b] - middle).cross(shape.positions[c] - middle)) / 6;
-    }
-  }
+  for (auto& component : components) component.inward = is_inside_out(shape, component.triangles);
   return components;
 }
 
-/// The winding number of a component's surface about a point, as the sum of its solid angles: near 1 or -1 inside a
-/// closed one, near 0 outside.
-double winding(const NormalisedShape& shape, const Component& component, const Eigen::Vector3d& point) {
-  double angle = 0;
-  for (const auto t : component.triangles) {
-    std::array<Eigen::Vector3d, 3> to;
-    for (std::size_t k = 0; k < 3; ++k) to[k] = shape.positions[shape.triangles[t][k]] - point;
-    const double a = to[0].norm(), b = to[1].norm(), c = to[2].norm();
-    angle += 2 * std::atan2(to[0].dot(to[1].cross(to[2])),
-                            a * b * c + to[0].dot(to[1]) * c + to[1].dot(to[2]) * a + to[2].dot(to[0]) * b);
+void turn_outward(NormalisedShape& shape) {
+  const auto components = components_of(shape);
+  std::vector<NestedPart> parts;
+  parts.reserve(components.size());
+  for (const auto& component : components) {
+    const auto [a, b, c] = shape.corners(component.triangles.front());
+    parts.push_back({.box = component.box, .point = (a + b + c) / 3, .inward = component.inward});
   }
-  return angle / (4 * EIGEN_PI);
+  const Nesting nesting(std::move(parts), [&](std::size_t component, const Eigen::Vector3d& point) {
+    double sum = 0;
+    for (const auto t : components[component].triangles) {
+      const auto [a, b, c] = shape.corners(t);
+      sum += winding(a, b, c, point);
+    }
+    return sum;
+  });
+  if (!nesting.any_inward()) return;
+  std::vector<std::size_t> inward;
+  for (std::size_t k = 0; k < components.size(); ++k)
+    if (nesting.points_inward(k)) inward.push_back(k);
+  for (const auto k : inward)
+    for (const auto t : components[k].triangles) std::swap(shape.triangles[t][1], shape.triangles[t][2]);
 }
 
 /// The rotation to the principal axes of the surface's second moments. Which way they point does not matter: the
@@ -111,20 +138,7 @@ NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame) {
     auto& corners = shape.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) corners[k] = static_cast<std::uint32_t>(triangle[k].index());
   }
-
-  const auto components = components_of(shape);
-  std::vector<const Component*> inside_out;
-  for (const auto& component : components) {
-    if (component.volume >= 0) continue;
-    const Eigen::Vector3d& point = shape.positions[shape.triangles[component.triangles.front()][0]];
-    const auto encloses = [&](const Component& other) {
-      return &other != &component && other.box.contains(component.box) && std::abs(winding(shape, other, point)) > 0.5;
-    };
-    // What an odd number of others encloses is the wall of a hole in the innermost.
-    if (std::count_if(components.begin(), components.end(), encloses) % 2 == 0) inside_out.push_back(&component);
-  }
-  for (const auto* component : inside_out)
-    for (const auto t : component->triangles) std::swap(shape.triangles[t][1], shape.triangles[t][2]);
+  turn_outward(shape);
   return shape;
 }
 

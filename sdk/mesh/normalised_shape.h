@@ -17,7 +17,7 @@ enum class ShapeFrame : std::uint8_t {
 };
 
 /// A mesh turned, moved and scaled to a bounding box about the origin with a diagonal of 1 (unscaled if it has none),
-/// every component's triangles outward.
+/// its triangles turned outward.
 struct NormalisedShape {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -25,13 +25,19 @@ struct NormalisedShape {
   double scale = 1;                                    ///< the diagonal
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< shape_from_model, a rotation
 
+  /// The places of a triangle's corners.
+  [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(std::size_t triangle) const {
+    const auto& [a, b, c] = triangles[triangle];
+    return {positions[a], positions[b], positions[c]};
+  }
+
   /// A point of the model where the shape has it.
   [[nodiscard]] Eigen::Vector3d from_model(const Eigen::Vector3d& point) const {
     return turn * ((point - origin) / scale);
   }
 
-  /// Outward is judged for each component by the sign of its volume; one that is inside out is turned unless something
-  /// encloses it: then it is the inner wall of a shell.
+  /// A component (linked by vertices) of negative volume is turned over together with all that lies within it, unless
+  /// it lies within another: what does keeps its relation to what is around it, so that cavities stay cavities.
   [[nodiscard]] static NormalisedShape of(const Mesh& mesh, ShapeFrame frame = ShapeFrame::Model);
 };
 
