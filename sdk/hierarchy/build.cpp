@@ -23,29 +23,31 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// What is wrong with the mesh or the options, or nothing.
+/// What is wrong with the options, or nothing.
 std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
-  if (mesh.positions.empty()) return "expected a mesh with vertices, found none";
-  if (mesh.positions.size() > 0x7FFF'FFFFU || mesh.triangles.size() > 0x2FFF'FFFFU)
-    return "expected at most 2^31 - 1 vertices and 2^29 triangles";
   if (!(options.importance >= 0) || !std::isfinite(options.importance)) return "importance: expected 0 or more";
   if (!(options.regularise >= 0) || !std::isfinite(options.regularise)) return "regularise: expected 0 or more";
   if (!(options.enrichment >= 0) || !std::isfinite(options.enrichment)) return "enrichment: expected 0 or more";
+  if (options.enrichment > 0 && options.keep_topology) return "enrichment: expected 0 where the topology is kept";
   if (!options.weights.empty() && options.weights.size() != mesh.positions.size())
     return "weights: expected one a vertex, " + count(mesh.positions.size()) + ", found " +
            count(options.weights.size());
-  for (const double weight : options.weights)
-    if (!(weight > 0) || !std::isfinite(weight)) return "weights: expected positive numbers";
+  for (std::size_t v = 0; v < options.weights.size(); ++v)
+    if (!(options.weights[v] > 0) || !std::isfinite(options.weights[v]))
+      return "weights, vertex " + count(v) + ": expected a positive number";
   if (!options.labels.empty() && options.labels.size() != mesh.positions.size())
     return "labels: expected one a vertex, " + count(mesh.positions.size()) + ", found " + count(options.labels.size());
   std::vector<bool> seen(options.pinned.empty() ? 0 : mesh.positions.size(), false);
-  for (const auto& pin : options.pinned) {
-    if (!pin.vertex.valid() || pin.vertex.index() >= seen.size() || seen[pin.vertex.index()])
-      return "pinned: expected vertices of the mesh, each once";
-    seen[pin.vertex.index()] = true;
-    if (pin.sphere && !(pin.sphere->centre.allFinite() && std::isfinite(pin.sphere->radius) && pin.sphere->radius >= 0))
-      return "pinned: expected a finite centre and a finite radius that is not negative";
+  for (std::size_t k = 0; k < options.pinned.size(); ++k) {
+    const auto& [vertex, sphere] = options.pinned[k];
+    const std::string at = "pinned, sphere " + count(k) + ": ";
+    if (!vertex.valid() || vertex.index() >= seen.size())
+      return at + "expected the number of a vertex below " + count(seen.size());
+    if (seen[vertex.index()]) return at + "vertex " + count(vertex.index()) + " is pinned already";
+    seen[vertex.index()] = true;
+    if (sphere && !(sphere->centre.allFinite() && std::isfinite(sphere->radius) && sphere->radius >= 0))
+      return at + "expected a finite centre and a finite radius that is not negative";
   }
   return {};
 }
@@ -122,6 +124,8 @@ class Builder {
 }  // namespace
 
 Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options, const Task& task) {
+  if (const auto wrong = CollapseComplex::refuses(mesh.positions.size(), mesh.triangles.size()); !wrong.empty())
+    return fail(wrong);
   if (const auto wrong = fault(mesh, options); !wrong.empty()) return fail(wrong);
   const auto start = Clock::now();
   std::vector<double> curved;

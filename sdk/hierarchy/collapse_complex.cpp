@@ -34,6 +34,14 @@ std::vector<Pair> edges_of_triangles(std::span<const Triangle> triangles) {
 
 }  // namespace
 
+std::string CollapseComplex::refuses(std::size_t vertices, std::size_t triangles) {
+  if (vertices == 0) return "expected a mesh with vertices, found none";
+  if (vertices >= std::size_t{1} << 31 || triangles > std::size_t{1} << 29)
+    return "expected at most 2^31 - 1 vertices and 2^29 triangles, found " + std::to_string(vertices) + " and " +
+           std::to_string(triangles);
+  return {};
+}
+
 CollapseComplex::CollapseComplex(std::uint32_t vertices, std::span<const Triangle> triangles,
                                  std::span<const Pair> links)
     : triangles_(triangles.begin(), triangles.end()),

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace armature::sdk {
@@ -34,6 +36,9 @@ class CollapseComplex {
     std::uint32_t gone;                    ///< the slot that is free now
     std::span<const std::uint32_t> edges;  ///< those of the new vertex; valid until the next collapse
   };
+
+  /// Why there can be no complex of so many, or nothing: 32 bits count the ends of its edges.
+  [[nodiscard]] static std::string refuses(std::size_t vertices, std::size_t triangles);
 
   /// Triangles that repeat a corner count as the edge that is left of them; of triangles with the same corners one is
   /// kept. Corners and pairs are below `vertices`.

@@ -10,7 +10,8 @@
 namespace armature::sdk {
 
 Expected<DecimatedMesh> decimate_mesh(const Mesh& mesh, const DecimateMeshOptions& options, const Task& task) {
-  if (mesh.positions.empty()) return fail("expected a mesh with vertices, found none");
+  if (const auto wrong = CollapseComplex::refuses(mesh.positions.size(), mesh.triangles.size()); !wrong.empty())
+    return fail(wrong);
   if (options.vertices == 0) return fail("vertices: expected 1 or more");
   if (!(options.boundary_weight >= 0) || !std::isfinite(options.boundary_weight))
     return fail("boundary weight: expected 0 or more");

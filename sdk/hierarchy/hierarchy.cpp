@@ -95,7 +95,7 @@ std::string fault(const Hierarchy::Parts& parts) {
 }  // namespace
 
 Expected<Hierarchy> Hierarchy::assemble(Parts parts) {
-  if (auto wrong = fault(parts); !wrong.empty()) return fail("hierarchy: " + wrong);
+  if (auto wrong = fault(parts); !wrong.empty()) return fail(wrong);
   Hierarchy hierarchy;
   hierarchy.parts_ = std::move(parts);
   hierarchy.index_tree();
@@ -171,7 +171,7 @@ std::vector<NodeId> Hierarchy::nodes_of_level(std::size_t spheres) const {
 
 Expected<SphereMesh> Hierarchy::level(std::size_t spheres) const {
   if (spheres < min_spheres() || spheres > leaf_count())
-    return fail("hierarchy: expected " + std::to_string(min_spheres()) + " to " + std::to_string(leaf_count()) +
+    return fail("expected " + std::to_string(min_spheres()) + " to " + std::to_string(leaf_count()) +
                 " spheres, found " + std::to_string(spheres));
   const std::size_t collapses = leaf_count() - spheres;
   const auto nodes = nodes_of_level(spheres);

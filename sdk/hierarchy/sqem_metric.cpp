@@ -7,7 +7,7 @@
 namespace armature::sdk {
 
 SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
-    : pivot_(options.regularise > 0 ? 0 : options.pivot),
+    : pivot_(options.regularise > 0 ? 0 : SphereDomain{}.pivot),
       by_increase_(options.by_increase),
       regions_(shape.positions.size()),
       extents_(Extents::of_cells(shape.positions, shape.triangles)) {

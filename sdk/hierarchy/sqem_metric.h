@@ -17,10 +17,9 @@ namespace armature::sdk {
 class SqemMetric {
  public:
   struct Options {
-    std::span<const double> weights;      ///< the importance by vertex, or empty: 1
-    double regularise = 0;                ///< eps
-    bool by_increase = false;             ///< rank by what a collapse adds to the error, not by the error of the union
-    double pivot = SphereDomain{}.pivot;  ///< not used with a regulariser
+    std::span<const double> weights;  ///< the importance by vertex, or empty: 1
+    double regularise = 0;            ///< eps
+    bool by_increase = false;         ///< rank by what a collapse adds to the error, not by the error of the union
   };
 
   /// A fit seen from one of the two spheres.
@@ -82,7 +81,7 @@ class SqemMetric {
   /// A region without area joins another for nothing and changes nothing.
   [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
 
-  double pivot_;
+  double pivot_;  // 0 with a regulariser, which leaves no centre undetermined
   bool by_increase_;
   std::vector<Region> regions_;   // by slot
   std::vector<Extents> extents_;  // by slot; apart, as few fits ask for them

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <armature/sdk/distance/sphere_mesh_tree.h>
+#include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/spheremesh/make_sphere_mesh.h>
 #include <armature/sdk/spheremesh/refine.h>
 #include <tbb/blocked_range.h>
@@ -22,6 +23,13 @@ Mesh unit_mesh(const NormalisedShape& shape) {
   mesh.triangles.reserve(shape.triangles.size());
   for (const auto& [a, b, c] : shape.triangles) mesh.triangles.push_back({VertexId(a), VertexId(b), VertexId(c)});
   return mesh;
+}
+
+std::size_t boundary_edges(const Mesh& mesh) {
+  const Adjacency adjacency(mesh);
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < adjacency.edge_count(); ++e) count += adjacency.faces(EdgeId(e)).size() == 1 ? 1U : 0U;
+  return count;
 }
 
 Expected<void> check(const SphereMesh& start, const RefineOptions& options) {
@@ -53,6 +61,10 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   if (const Expected<void> checked = check(start, options); !checked) return tl::unexpected(checked.error());
   SphereMesh shape = make_sphere_mesh(start.spheres, start.edges, start.triangles);
   if (shape.spheres.empty() || mesh.triangles.empty()) return shape;
+  if (options.mode == FitMode::Inner) {
+    if (const std::size_t open = boundary_edges(mesh); open > 0)
+      return fail("refine: an inner fit needs a closed mesh; " + std::to_string(open) + " edges have one face only");
+  }
 
   const NormalisedShape normalised = NormalisedShape::of(mesh);
   const Mesh unit = unit_mesh(normalised);

@@ -251,18 +251,17 @@ std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSp
   forward_rows(gauge, forward);
   back_rows(gauge, outer, back);
   error = {};
-  const auto sum = [&](const std::vector<Row>& rows, double& mean, double& worst) {
+  const auto sum = [&](const std::vector<Row>& rows, double& mean) {
     double area = 0;
     for (const Row& row : rows) {
       error.loss += row.cost;
       mean += row.share * std::abs(row.residual);
       area += row.share;
-      worst = std::max(worst, std::abs(row.residual));
     }
     if (area > 0) mean /= area;
   };
-  sum(forward, error.forward, error.worst_forward);
-  sum(back, error.back, error.worst_back);
+  sum(forward, error.forward);
+  sum(back, error.back);
   forward.insert(forward.end(), back.begin(), back.end());
   return forward;
 }

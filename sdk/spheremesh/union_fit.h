@@ -37,8 +37,6 @@ struct FitError {
   double loss = 0;
   double forward = 0;  ///< mean distance from the input to the union
   double back = 0;     ///< and back
-  double worst_forward = 0;
-  double worst_back = 0;
 };
 
 /// Fits the interpolated geometry of a sphere-mesh to a mesh in the unit frame, both directions, with its connectivity

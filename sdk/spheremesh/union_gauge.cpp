@@ -104,10 +104,7 @@ UnionTouch UnionGauge::touch(const NearbyPieces& pieces, const Vector3d& point) 
     double d = 0;
     double b = 0;
     double c = 0;
-    if (piece < edge_count)
-      d = edges_[piece].distance(point, b);
-    else if (!facets_[piece - edge_count].distance(point, d, b, c))
-      continue;
+    if (!distance_to(piece, point, d, b, c)) continue;
     if (d < least) least = d, nearest = piece, along_or_b = b, weight_c = c;
   }
   if (nearest >= edge_count)
@@ -129,17 +126,13 @@ bool UnionGauge::covers(const NearbyPieces& pieces, const Vector3d& point, doubl
 double UnionGauge::least_distance(const NearbyPieces& pieces, const Vector3d& point, double below,
                                   double enough) const noexcept {
   const double offset = (point - pieces.centre).norm();
-  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
   double least = below;
   for (const auto& [bound, piece] : pieces.entries) {
     if (bound - offset >= least) break;
     double d = 0;
     double b = 0;
     double c = 0;
-    if (piece < edge_count)
-      d = edges_[piece].distance(point, b);
-    else if (!facets_[piece - edge_count].distance(point, d, b, c))
-      continue;
+    if (!distance_to(piece, point, d, b, c)) continue;
     least = std::min(least, d);
     if (least < enough) break;
   }

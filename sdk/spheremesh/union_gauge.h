@@ -74,6 +74,15 @@ class UnionGauge {
   [[nodiscard]] bool covers(const NearbyPieces& pieces, const Eigen::Vector3d& point, double depth) const noexcept;
 
  private:
+  /// The distance of a piece's surface from a point, and the interpolated sphere it is of: `b` is how far along an
+  /// edge, or the weights of the second and third corner are `b` and `c`. False for a facet that is not above or below
+  /// it.
+  bool distance_to(std::uint32_t piece, const Eigen::Vector3d& point, double& distance, double& b,
+                   double& c) const noexcept {
+    if (piece >= edges_.size()) return facets_[piece - edges_.size()].distance(point, distance, b, c);
+    distance = edges_[piece].distance(point, b);
+    return true;
+  }
   /// The least signed distance if it is less than `below`; any that is less than `enough`.
   [[nodiscard]] double least_distance(const NearbyPieces& pieces, const Eigen::Vector3d& point, double below,
                                       double enough) const noexcept;

@@ -1,27 +1,9 @@
-#include <cstdlib>
-#include <new>
-
 #include <armature/navproto/codec.h>
 #include <gtest/gtest.h>
 
 #include "tests/navproto/sample_messages.h"
 #include "tests/navproto/transport_fixture.h"
-
-namespace {
-thread_local long allocations = 0;  // of this thread
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "tests/support/count_allocations.h"
 
 namespace armature::navproto {
 namespace {
@@ -37,9 +19,9 @@ TEST(Allocation, EncodingAllocatesNothingAfterTheFirstOfAKind) {
            encoder.encode(health).size();
   };
   ASSERT_GT(encode_all(), 0U);
-  const long before = allocations;
+  const std::size_t before = test::allocations;
   for (int i = 0; i < 1000; ++i) (void)encode_all();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 // What ZeroMQ takes from malloc() for its own message is not seen here and cannot be helped.
@@ -55,9 +37,9 @@ TEST(Allocation, PublishingAllocatesNothingOfOursAfterTheFirstOfAKind) {
     publisher->publish_skeleton(skeleton);
   };
   ASSERT_TRUE(repeat_until(publish, [&] { return nav.navigation() && nav.skeleton(); }));
-  const long before = allocations;
+  const std::size_t before = test::allocations;
   for (int i = 0; i < 1000; ++i) publish();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 }  // namespace

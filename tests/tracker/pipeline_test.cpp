@@ -1,41 +1,10 @@
 #include "tracker/pipeline.h"
 
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "tests/support/count_allocations.h"
 #include "tracker/installation.h"
 #include "tracker/synth/synth_source.h"
-
-namespace {
-std::size_t allocations = 0;
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace armature {
 namespace {
@@ -62,9 +31,9 @@ TEST(Pipeline, AllocatesNothingOnceItHasTakenItsMemory) {
     const auto status = (*source)->read(frame, 1s);
     ASSERT_TRUE(status);
     if (*status != ReadStatus::Frame) break;
-    const std::size_t before = allocations;
+    const std::size_t before = test::allocations;
     somebody |= pipeline.process(frame.view()).tracking;
-    during_process += allocations - before;
+    during_process += test::allocations - before;
   }
   EXPECT_TRUE(somebody);
   EXPECT_EQ(during_process, 0U) << "an empty room, somebody who walks in, calibrates and steers";

@@ -8,17 +8,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "tests/sdk/mesh/surfaces.h"
+
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
-
-Mesh mesh_of(std::vector<Vector3d> positions, const std::vector<std::array<int, 3>>& faces) {
-  Mesh mesh;
-  mesh.positions = std::move(positions);
-  for (const auto& f : faces) mesh.triangles.push_back({VertexId(f[0]), VertexId(f[1]), VertexId(f[2])});
-  return mesh;
-}
+using surfaces::mesh_of;
 
 /// The cube [0, side]^3.
 Mesh cube(double side) {

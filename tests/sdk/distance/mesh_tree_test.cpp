@@ -7,17 +7,13 @@
 #include <armature/sdk/io/read_mesh.h>
 #include <gtest/gtest.h>
 
+#include "tests/sdk/mesh/surfaces.h"
+
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
-
-Mesh mesh_of(std::vector<Vector3d> positions, const std::vector<std::array<int, 3>>& faces) {
-  Mesh mesh;
-  mesh.positions = std::move(positions);
-  for (const auto& f : faces) mesh.triangles.push_back({VertexId(f[0]), VertexId(f[1]), VertexId(f[2])});
-  return mesh;
-}
+using surfaces::mesh_of;
 
 Mesh tetrahedron() {
   return mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});

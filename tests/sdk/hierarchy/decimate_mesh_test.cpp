@@ -1,7 +1,9 @@
 #include <armature/sdk/hierarchy/decimate_mesh.h>
+#include <armature/sdk/mesh/measures.h>
 #include <gtest/gtest.h>
 
 #include "tests/sdk/hierarchy/shapes.h"
+#include "tests/sdk/mesh/surfaces.h"
 
 namespace armature::sdk {
 namespace {
@@ -33,6 +35,20 @@ TEST(DecimateMesh, KeepsThePlaneAndItsBoundary) {
   }
   EXPECT_NEAR(area, 256, 1e-6);
   for (const auto& p : result->mesh.positions) EXPECT_NEAR(p.z(), 0, 1e-9);
+}
+
+TEST(DecimateMesh, TurnsNoTriangleOverWhereThatIsPenalised) {
+  const auto faces_down = [](bool penalise_flips) {
+    const auto result =
+        decimate_mesh(surfaces::paraboloid(0, 3, 30, 0.3), {.vertices = 100, .penalise_flips = penalise_flips});
+    EXPECT_TRUE(result.has_value());
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < result->mesh.triangles.size(); ++f)
+      count += area_vector(result->mesh, FaceId(f)).z() < 0 ? 1U : 0U;
+    return count;
+  };
+  EXPECT_EQ(faces_down(true), 0U);
+  EXPECT_GT(faces_down(false), 0U);
 }
 
 TEST(DecimateMesh, StaysNearASphere) {

@@ -65,7 +65,7 @@ TEST(Hierarchy, RefusesALevelItDoesNotHave) {
   const auto hierarchy = hierarchy_of(ball(1));
   EXPECT_FALSE(hierarchy.level(0));
   ASSERT_FALSE(hierarchy.level(19));
-  EXPECT_EQ(hierarchy.level(19).error().message, "hierarchy: expected 1 to 18 spheres, found 19");
+  EXPECT_EQ(hierarchy.level(19).error().message, "expected 1 to 18 spheres, found 19");
 }
 
 TEST(Build, JoinsComponentsOnceEachIsASphere) {
@@ -149,8 +149,11 @@ TEST(Build, IsTheSameAtEveryScaleAndPlace) {
       const auto level = hierarchy_of(moved, options).level(50);
       EXPECT_EQ(level->triangles, expected->triangles);
       EXPECT_EQ(level->edges, expected->edges);
-      for (std::size_t k = 0; k < level->spheres.size(); ++k)
+      for (std::size_t k = 0; k < level->spheres.size(); ++k) {
+        const Eigen::Vector3d centre = scale * expected->spheres[k].centre + Eigen::Vector3d::Constant(offset);
+        EXPECT_LT((level->spheres[k].centre - centre).norm(), 1e-4 * scale);
         EXPECT_NEAR(level->spheres[k].radius, scale * expected->spheres[k].radius, 1e-4 * scale);
+      }
     }
   }
 }
@@ -267,10 +270,22 @@ TEST(Build, IsTheSameHoweverTheModelIsTurned) {
 
 TEST(Build, RefusesWhatItCannotUse) {
   EXPECT_EQ(build_hierarchy({}).error().message, "expected a mesh with vertices, found none");
-  EXPECT_FALSE(build_hierarchy(ball(1), {.regularise = -1}));
-  EXPECT_FALSE(build_hierarchy(ball(1), {.weights = {1, 2}}));
-  EXPECT_FALSE(build_hierarchy(ball(1), {.labels = {1}}));
-  EXPECT_FALSE(build_hierarchy(ball(1), {.pinned = {{VertexId(1)}, {VertexId(1)}}}));
+  const auto why = [](const HierarchyOptions& options) {
+    const auto build = build_hierarchy(ball(1), options);
+    return build ? std::string() : build.error().message;
+  };
+  EXPECT_EQ(why({.regularise = -1}), "regularise: expected 0 or more");
+  EXPECT_EQ(why({.enrichment = 0.1, .keep_topology = true}), "enrichment: expected 0 where the topology is kept");
+  EXPECT_EQ(why({.weights = {1, 2}}), "weights: expected one a vertex, 18, found 2");
+  HierarchyOptions weightless{.weights = std::vector<double>(18, 1)};
+  weightless.weights[7] = 0;
+  EXPECT_EQ(why(weightless), "weights, vertex 7: expected a positive number");
+  EXPECT_EQ(why({.labels = {1}}), "labels: expected one a vertex, 18, found 1");
+  EXPECT_EQ(why({.pinned = {{VertexId(1)}, {VertexId(18)}}}),
+            "pinned, sphere 1: expected the number of a vertex below 18");
+  EXPECT_EQ(why({.pinned = {{VertexId(1)}, {VertexId(1)}}}), "pinned, sphere 1: vertex 1 is pinned already");
+  EXPECT_EQ(why({.pinned = {{VertexId(1), Sphere{{0, 0, 0}, -1}}}}),
+            "pinned, sphere 0: expected a finite centre and a finite radius that is not negative");
 }
 
 TEST(Build, StopsWhenAsked) {

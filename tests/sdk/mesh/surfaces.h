@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <armature/sdk/mesh/mesh.h>
 
@@ -18,6 +19,13 @@ namespace armature::sdk::surfaces {
 /// Corners by plain numbers.
 inline Triangle triangle(std::size_t a, std::size_t b, std::size_t c) {
   return {VertexId(a), VertexId(b), VertexId(c)};
+}
+
+/// A mesh by plain numbers.
+inline Mesh mesh_of(std::vector<Eigen::Vector3d> positions, const std::vector<std::array<int, 3>>& faces) {
+  Mesh mesh{.positions = std::move(positions)};
+  for (const auto& [a, b, c] : faces) mesh.triangles.push_back({VertexId(a), VertexId(b), VertexId(c)});
+  return mesh;
 }
 
 /// A surface over a grid of rows and columns; either may wrap around. `at` takes fractions of [0, 1].

@@ -95,13 +95,15 @@ TEST(Refine, DoesTheSameAtEveryScaleAndPlace) {
   const SphereMesh start = level_of(mesh, 12);
   const auto fitted = refine(mesh, start, kQuick);
   ASSERT_TRUE(fitted);
-  for (const double scale : {0x1p-10, 0x1p20}) {  // powers of two round nothing off
-    SphereMesh scaled = start;
-    for (Sphere& s : scaled.spheres) s.centre *= scale, s.radius *= scale;
-    const auto there = refine(moved(mesh, Vector3d::Zero(), scale), scaled, kQuick);
+  // Powers of two round nothing off when they scale, and little when they move.
+  for (const auto& [scale, place] : {std::pair(0x1p-10, 0.0), std::pair(0x1p20, 0.0), std::pair(1.0, 8.0)}) {
+    const Vector3d by(place, -place, 2 * place);
+    SphereMesh elsewhere = start;
+    for (Sphere& s : elsewhere.spheres) s = {scale * s.centre + by, scale * s.radius};
+    const auto there = refine(moved(mesh, by, scale), elsewhere, kQuick);
     ASSERT_TRUE(there);
     for (std::size_t k = 0; k < fitted->spheres.size(); ++k) {
-      EXPECT_LT((there->spheres[k].centre / scale - fitted->spheres[k].centre).norm(), 1e-6);
+      EXPECT_LT(((there->spheres[k].centre - by) / scale - fitted->spheres[k].centre).norm(), 1e-6);
       EXPECT_NEAR(there->spheres[k].radius / scale, fitted->spheres[k].radius, 1e-6);
     }
   }
@@ -168,11 +170,17 @@ TEST(Refine, KeepsAnInnerFitWithinTheMesh) {
   const auto fitted = refine(mesh, level_of(mesh, 12), {.mode = FitMode::Inner});
   ASSERT_TRUE(fitted);
   const double diagonal = bounding_box_diagonal(mesh);
-  EXPECT_LE(containment(mesh, *fitted).crossed, 1.1e-3 * diagonal);
+  EXPECT_LE(containment(mesh, *fitted).crossed, 1e-3 * diagonal);
   const SphereMeshTree tree(*fitted);
-  for (const Vector3d& p : mesh.positions) EXPECT_GT(tree.signed_distance(p), -1.1e-3 * diagonal);
+  for (const Vector3d& p : mesh.positions) EXPECT_GT(tree.signed_distance(p), -1e-3 * diagonal);
   const MeshTree inside(mesh);
   for (const Sphere& s : fitted->spheres) EXPECT_LT(inside.signed_distance(s.centre), 1e-9 * diagonal);
+}
+
+TEST(Refine, RefusesAnInnerFitOfAnOpenMesh) {
+  const auto fitted = refine(cylinder(1, 2, 30, 4), {.spheres = {{Vector3d::UnitZ(), 1}}}, {.mode = FitMode::Inner});
+  ASSERT_FALSE(fitted);
+  EXPECT_EQ(fitted.error().message, "refine: an inner fit needs a closed mesh; 60 edges have one face only");
 }
 
 TEST(Refine, PutsAnOuterFitAroundTheMesh) {

@@ -1,30 +1,10 @@
 #include "tracker/joints/joint_estimator.h"
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "tests/support/count_allocations.h"
 #include "tests/tracker/forest/paper_doll.h"
 #include "tracker/joints/vote_cloud.h"
-
-namespace {
-std::atomic<long> allocations = 0;
-}
-
-// Counted, so that a test can show that a frame allocates nothing.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace armature {
 namespace {
@@ -140,9 +120,9 @@ TEST(JointEstimator, AFrameAllocatesNothing) {
   const TrainingImage image = paper_image(paper_doll(3), qvga());
   const auto& mask = image.user;
   (void)tracker.track(image, mask);
-  const long before = allocations;
+  const std::size_t before = test::allocations;
   for (int i = 0; i < 3; ++i) (void)tracker.track(image, mask);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
 }
 
 TEST(VoteCloud, MeanShiftClimbsToTheNearestModeAndLeavesTheOtherAlone) {

@@ -1,39 +1,8 @@
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "tests/support/count_allocations.h"
 #include "tests/tracker/segmentation/room.h"
 #include "tracker/segmentation/segmenter.h"
-
-namespace {
-std::size_t allocations = 0;
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace armature {
 namespace {
@@ -48,11 +17,11 @@ TEST(SegmenterAllocation, NothingIsAllocatedAfterReset) {
   }
   Segmenter segmenter({});
   segmenter.reset(pictures[0].frame.intrinsics);
-  const std::size_t before = allocations;
+  const std::size_t before = test::allocations;
   std::size_t users = 0;
   for (int round = 0; round < 5; ++round)
     for (const auto& picture : pictures) users += segmenter.process(picture.frame.view()).users.size();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations, before);
   EXPECT_GT(users, 0U);
 }
 

@@ -52,7 +52,6 @@ class Adjacency {
 
   [[nodiscard]] std::size_t vertex_count() const noexcept { return vertex_faces_.size(); }  ///< of the mesh
   [[nodiscard]] std::size_t edge_count() const noexcept { return edges_.size(); }           ///< of the mesh
-  [[nodiscard]] std::size_t face_count() const noexcept { return face_edges_.size(); }      ///< of the mesh
 
  private:
   /// Lists of ids, one behind the other: list i lies between starts[i] and starts[i + 1].

@@ -14,9 +14,9 @@ namespace armature::sdk {
 /// On which side of the mesh a sphere-mesh may err.
 enum class FitMode : std::uint8_t {
   Best,   ///< on both: the least error
-  Inner,  ///< within the mesh, which must be closed: its surface enters no interpolated sphere by more than 0.1 % of
-          ///< the bounding box's diagonal (`containment()` tells by how much). Simplices that must leave it are taken
-          ///< away
+  Inner,  ///< within the mesh, refused if it is not closed: its surface enters no interpolated sphere by more than 0.1
+          ///< % of the bounding box's diagonal (`containment()` tells by how much). Simplices that must leave it are
+          ///< taken away
   Outer,  ///< around the mesh: no point of its surface is outside
 };
 
