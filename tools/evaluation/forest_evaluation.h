@@ -5,6 +5,7 @@
 
 #include "firmware_host/error.h"
 #include "tracker/forest/trainer.h"
+#include "tracker/synth/random.h"
 
 namespace armature::tools {
 
@@ -16,13 +17,9 @@ struct EvaluationOptions {
   bool all_actions = false;
 };
 
-/// The seed of the i-th image of a training run. Never one of evaluation_seed().
+/// The seed of the i-th image of a training run: never one that is held out.
 [[nodiscard]] constexpr std::uint64_t training_seed(std::uint64_t run, std::uint64_t i) noexcept {
-  return (run << 32U | i) & ~(std::uint64_t{1} << 63U);
-}
-/// The seed of the i-th held-out image.
-[[nodiscard]] constexpr std::uint64_t evaluation_seed(std::uint64_t i) noexcept {
-  return i | std::uint64_t{1} << 63U;
+  return (run << 32U | i) & ~kHeldOut;
 }
 
 /// A synthetic person of the domain that forests are trained on.

@@ -23,6 +23,13 @@ double smooth_rate(double share) {
   return 6 * share * (1 - share);
 }
 
+constexpr double kFootrest_m = 0.10;
+
+/// The seed of an actor's i-th drawing beside its habits.
+std::uint64_t drawing(std::uint64_t seed, std::size_t i) {
+  return scrambled(seed + i) | (seed & kHeldOut);
+}
+
 }  // namespace
 
 double MotionCalibration::amount_for(double value) const noexcept {
@@ -62,10 +69,55 @@ Actor::Actor(const Person& person, const ActorScript& script, const RigidTransfo
   stepping_foot_ = random.chance(0.5) ? Side::Left : Side::Right;
   for (double& phase : sway_phase_) phase = random.unit();
   stride_ = 0.62 * (shape.thigh + shape.shin) * random.uniform(0.9, 1.1);
+  if (script.posture != Posture::Standing) rest_otherwise(seed);
+  draw_poses(seed);
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     for (std::size_t i = 0; i < 9; ++i) {
       calibrations_[m].amounts[i] = calibrations_[m].values[i] = static_cast<double>(i) - 4;
     }
+  }
+}
+
+void Actor::rest_otherwise(std::uint64_t seed) {
+  Random random(drawing(seed, 0));
+  const BodyShape& shape = person_.shape;
+  if (script_->posture == Posture::LegsTogether) {
+    const double stance = random.uniform(0.5, 0.7) * shape.hip_half_width;
+    for (const Side side : {Side::Left, Side::Right}) {
+      FootPose& foot = resting_.foot(side);
+      foot.ball.x() = outward(side) * stance;
+      foot.turn *= 0.3;
+      foot.knee_out *= 0.3;
+    }
+    return;
+  }
+  RandomPose sitting = random_pose(person_, Activity::Sit, random);
+  seat_height_ = sitting.seat_height;
+  if (script_->posture == Posture::Wheelchair) {  // feet on the rests
+    seat_height_ += kFootrest_m;
+    sitting.pose.pelvis.y() += kFootrest_m;
+    for (FootPose& foot : sitting.pose.feet) foot.ball.y() += kFootrest_m;
+  }
+  resting_ = sitting.pose;
+}
+
+void Actor::draw_poses(std::uint64_t seed) {
+  for (std::size_t i = 0; i < script_->poses.size(); ++i) {
+    Random random(drawing(seed, i + 1));
+    const std::optional<Activity> activity = script_->poses[i].activity;
+    Pose pose = resting_;
+    if (activity == Activity::Stand) {
+      random_arms(person_, random, pose);
+      pose = limited(pose);
+    } else if (activity) {
+      pose = random_pose(person_, *activity, random).pose;
+      const int draws = *activity == Activity::Lunge || *activity == Activity::Squat ? 3 : 1;
+      for (int draw = 1; draw < draws; ++draw) {
+        const Pose other = random_pose(person_, *activity, random).pose;
+        if (other.pelvis.y() < pose.pelvis.y()) pose = other;
+      }
+    }
+    drawn_.push_back(pose);
   }
 }
 
@@ -126,6 +178,38 @@ void Actor::add_arms(double time_s, Pose& pose) const {
   pose.arms = blended(posed(from), posed(to), share).arms;
 }
 
+void Actor::add_poses(double time_s, Pose& pose) const {
+  const std::vector<PoseKey>& keys = script_->poses;
+  if (keys.empty() || time_s <= keys.front().time_s) return;
+  std::size_t next = 1;
+  while (next < keys.size() && keys[next].time_s <= time_s) ++next;
+  const std::size_t to = std::min(next, keys.size() - 1);
+  const double span = keys[to].time_s - keys[next - 1].time_s;
+  const double share = span > 0 ? smooth((time_s - keys[next - 1].time_s) / span) : 0;
+  const auto posed = [&](std::size_t key) { return keys[key].activity ? drawn_[key] : pose; };
+  pose = blended(posed(next - 1), posed(to), share);
+}
+
+void Actor::keep_busy_arm(const Pose& from, Pose& pose) const {
+  using Bag = Outfit::Bag;
+  const Bag bag = person_.outfit.bag;
+  if (bag == Bag::Mug || bag == Bag::Phone) pose.arm(person_.outfit.bag_side) = from.arm(person_.outfit.bag_side);
+}
+
+void Actor::add_gait(double time_s, Pose& pose) const {
+  if (!script_->gait) return;
+  const Gait& gait = *script_->gait;
+  constexpr double kRamp_s = 0.3;
+  const double weight =
+      std::clamp(std::min((time_s - gait.from_s) / kRamp_s, (gait.until_s - time_s) / kRamp_s), 0.0, 1.0);
+  if (weight == 0) return;
+  Pose moving = pose;
+  walk(gait.turns_per_s * (time_s - gait.from_s), gait.stride, gait.lift, gait.arm_swing, moving);
+  if (gait.elbows_bent) bend_elbows(moving);
+  keep_busy_arm(pose, moving);
+  pose = blended(pose, moving, smooth(weight));
+}
+
 void Actor::add_sway(double time_s, Pose& pose) const {
   pose.pelvis.x() += 0.0025 * wave(0.23 * time_s + sway_phase_[0]);
   pose.pelvis.z() += 0.0025 * wave(0.31 * time_s + sway_phase_[1]);
@@ -145,6 +229,8 @@ Pose Actor::pose_at(double time_s) const {
     performance.lift = std::min(0.012, 0.012 * std::abs(rate));
     perform(track.motion, performance, person_.shape, pose);
   }
+  add_poses(time_s, pose);
+  add_gait(time_s, pose);
   add_arms(time_s, pose);
 
   const Travel travel = travel_at(time_s);
@@ -155,9 +241,7 @@ Pose Actor::pose_at(double time_s) const {
     } else {
       walk(1.1 * time_s, 0, 0.06, 0.05, moving);
     }
-    using Bag = Outfit::Bag;
-    const Bag bag = person_.outfit.bag;
-    if (bag == Bag::Mug || bag == Bag::Phone) moving.arm(person_.outfit.bag_side) = pose.arm(person_.outfit.bag_side);
+    keep_busy_arm(pose, moving);
     pose = blended(pose, moving, std::max(travel.walking, travel.turning));
   }
   return limited(pose);

@@ -34,6 +34,9 @@ class Actor {
   /// That pose with one motion added.
   [[nodiscard]] Pose performing(MotionId motion, double amount) const;
 
+  /// Of the chair under somebody who sits, metres; 0 for whoever stands.
+  [[nodiscard]] double seat_height() const noexcept { return seat_height_; }
+
   [[nodiscard]] Pose pose_at(double time_s) const;
   [[nodiscard]] RigidTransform world_from_body_at(double time_s) const;
 
@@ -43,7 +46,12 @@ class Actor {
 
  private:
   struct Travel;
+  void rest_otherwise(std::uint64_t seed);
+  void draw_poses(std::uint64_t seed);
   [[nodiscard]] Travel travel_at(double time_s) const;
+  void add_poses(double time_s, Pose& pose) const;
+  void add_gait(double time_s, Pose& pose) const;
+  void keep_busy_arm(const Pose& from, Pose& pose) const;
   void add_arms(double time_s, Pose& pose) const;
   void add_sway(double time_s, Pose& pose) const;
 
@@ -51,6 +59,8 @@ class Actor {
   const ActorScript* script_;
   RigidTransform where_;
   Pose resting_;
+  double seat_height_ = 0;
+  std::vector<Pose> drawn_;  // one a pose key; the resting one where it has no activity
   Side stepping_foot_;
   std::array<double, 4> sway_phase_{};
   double stride_;

@@ -1,8 +1,37 @@
 #include "tracker/synth/person.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace armature {
+namespace {
+
+constexpr double kAdultStature_m = 1.5;
+/// Trousers under a skirt are tight, those under a coat may be anything: what is wider than this is under a coat.
+constexpr double kTightTrousers_m = 0.008;
+
+}  // namespace
+
+bool PersonWish::fulfilled_by(const Person& person) const noexcept {
+  const BodyShape& shape = person.shape;
+  const Outfit& outfit = person.outfit;
+  if (body != Body::Any && (body == Body::Child) != (shape.stature < kAdultStature_m)) return false;
+  if (girth > 0 && std::abs(shape.bulk * 1.75 / shape.stature / girth - 1) > 0.05) return false;
+  switch (clothes) {
+    case Clothes::Any: return true;
+    case Clothes::Plain: return outfit.skirt == 0;
+    case Clothes::Coat: return outfit.skirt > 0 && outfit.trousers > kTightTrousers_m;
+    case Clothes::Skirt: return outfit.skirt > 0 && outfit.trousers <= kTightTrousers_m;
+  }
+  return false;
+}
+
+Person random_person(Random& random, const PersonWish& wish) {
+  while (true) {
+    const Person person = random_person(random, false);
+    if (wish.fulfilled_by(person)) return person;
+  }
+}
 
 Person random_person(Random& random, bool carries) {
   Person person;

@@ -15,6 +15,10 @@ namespace armature {
   return x ^ (x >> 31);
 }
 
+/// Seeds with this bit are held out: people drawn from them are for measuring with, never for learning from.
+/// TrainingSampler clears the bit, so that whatever it is asked for it draws nobody of them.
+inline constexpr std::uint64_t kHeldOut = std::uint64_t{1} << 63U;
+
 /// Random numbers that are the same on every machine: SplitMix64, no library distribution, no libm.
 class Random {
  public:

@@ -192,6 +192,12 @@ void walk(double phase, double stride, double lift, double arm_swing, Pose& pose
   pose.spine.turn += 0.25 * std::min(1.0, stride) * cosine(phase);
 }
 
+void bend_elbows(Pose& pose) {
+  for (ArmPose& arm : pose.arms) {
+    arm.wrist = {0.05, -0.45 + 0.3 * std::abs(arm.wrist.z()), 0.30 + 0.6 * arm.wrist.z()};
+  }
+}
+
 void random_arms(const Person& person, Random& random, Pose& pose) {
   const bool together = random.chance(0.35);
   ArmPose shared;
@@ -243,9 +249,7 @@ RandomPose random_pose(const Person& person, Activity activity, Random& random) 
       break;
     case Activity::Jog:
       walk(random.unit(), random.uniform(0, 0.6), random.uniform(0.15, 0.5), random.uniform(0.2, 0.5), pose);
-      for (ArmPose& arm : pose.arms) {  // elbows bent
-        arm.wrist = {0.05, -0.45 + 0.3 * std::abs(arm.wrist.z()), 0.30 + 0.6 * arm.wrist.z()};
-      }
+      bend_elbows(pose);
       arms_done = random.chance(0.8);
       break;
     case Activity::Lunge: lunge(shape, random, pose); break;

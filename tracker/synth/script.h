@@ -10,6 +10,7 @@
 
 #include "tracker/body/pose.h"
 #include "tracker/motions/motion.h"
+#include "tracker/synth/random_poses.h"
 
 namespace armature {
 
@@ -43,12 +44,36 @@ struct ArmKey {
   std::optional<ArmPose> right;
 };
 
+/// A pose drawn from an activity at a time, or the resting one; smoothly from one to the other. Of Stand only the arms
+/// are drawn; of Lunge and Squat the deepest of three.
+struct PoseKey {
+  double time_s = 0;
+  std::optional<Activity> activity;
+};
+
+/// Walking or jogging on the spot for a while.
+struct Gait {
+  double from_s = 0;
+  double until_s = 0;
+  double turns_per_s = 1;  ///< one turn is two steps
+  double stride = 0;       ///< metres, as for walk() (random_poses.h)
+  double lift = 0.1;
+  double arm_swing = 0.2;
+  bool elbows_bent = false;
+};
+
+/// How somebody rests.
+enum class Posture : std::uint8_t { Standing, LegsTogether, Chair, Wheelchair };
+
 struct ActorScript {
+  Posture posture = Posture::Standing;
   std::vector<Waypoint> path = {Waypoint{}};
   double appears_s = -1e9;  ///< is in the room from then
   double leaves_s = 1e9;    ///< until then
   std::vector<MotionTrack> motions;
   std::vector<ArmKey> arms;
+  std::vector<PoseKey> poses;
+  std::optional<Gait> gait;
 };
 
 /// What happens before the camera, for named synthetic sources.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tracker/body/kinematics.h"
+#include "tracker/synth/wheelchair.h"
 
 namespace armature {
 namespace {
@@ -14,7 +15,15 @@ using Eigen::Vector3f;
 /// Streams of random numbers that one seed gives.
 enum class Stream : std::uint64_t { Person = 1, Room, Camera, Habits, Noise };
 std::uint64_t stream(std::uint64_t seed, Stream which, std::uint64_t number = 0) {
-  return scrambled(scrambled(seed) ^ (static_cast<std::uint64_t>(which) << 32) ^ number);
+  return scrambled(scrambled(seed) ^ (static_cast<std::uint64_t>(which) << 32) ^ number) | (seed & kHeldOut);
+}
+
+/// The height at which the camera looks: the middle of the user, or higher where she is so near that not all of her is
+/// in view, so that her head is.
+double looked_at(double stature, double distance) {
+  constexpr double kHalfView = 0.42, kAboveHead_m = 0.12;
+  const double middle = 0.48 * stature;
+  return distance > 1.4 * stature ? middle : std::max(middle, stature + kAboveHead_m - kHalfView * distance);
 }
 
 }  // namespace
@@ -33,22 +42,58 @@ void SynthSource::place_actors() {
   Random camera_random(stream(synth_.seed, Stream::Camera));
   for (std::size_t i = 0; i < script_.actors.size(); ++i) {
     Random random(stream(synth_.seed, Stream::Person, i));
-    Person person = random_person(random, false);
-    if (i == 0) person.outfit.bag = synth_.carry;
+    Person person = random_person(random, i == 0 ? synth_.wish : PersonWish{});
     if (i == 0) {
+      person.outfit.bag = synth_.carry;
+      person.outfit.bag_side = synth_.carry_side;
       const double slack = camera_random.uniform(0.1, 0.5);
       const double distance = synth_.distance_m > 0 ? synth_.distance_m : 1.40 * person.shape.stature + slack;
       const double height = camera_random.uniform(0.7, 1.8);
-      const double tilt = std::atan2(height - 0.48 * person.shape.stature, distance);
+      const double tilt = std::atan2(height - looked_at(person.shape.stature, distance), distance);
       camera_from_world_ = camera_from_world(height, on_grid(tilt), 0.01 * camera_random.normal());
       where_ = world_from_body(0, distance, synth_.turned_deg * (3.14159265358979323846 / 180));
-      const Room room = random_room(room_random, 1.1, distance + 1.1);
-      empty_room_.reset(info_.intrinsics);
-      render_room(room, camera_from_world_, empty_room_);
+      place_room(room_random, person.shape.stature, distance, height);
     }
     // Only the user is turned away; the others keep to their paths in the room.
     const RigidTransform where = i == 0 ? where_ : RigidTransform{Eigen::Matrix3d::Identity(), where_.translation};
     actors_.emplace_back(person, script_.actors[i], where, stream(synth_.seed, Stream::Habits, i));
+    place_seat(actors_.back(), script_.actors[i].posture, where);
+  }
+}
+
+void SynthSource::place_room(Random& random, double stature, double distance, double camera_height) {
+  Room room = random_room(random, 1.1, distance + 1.1);
+  if (!synth_.furnished) room.furniture.clear();
+  if (synth_.occluded > 0) {
+    // What hides a share of her lies on the lines from the camera through the end of that share.
+    const double before = std::max(0.8, distance - 0.75);
+    const double nearer = before / distance;
+    constexpr double kHalfDepth = 0.15;
+    if (synth_.occluded_below) {
+      const double hidden = synth_.occluded * stature;
+      const double half_height = 0.5 * std::max(0.1, camera_height + (hidden - camera_height) * nearer);
+      room.furniture.push_back(
+          {{Eigen::Matrix3d::Identity(), {0, half_height, -before}}, {0.7, half_height, kHalfDepth}});
+    } else {
+      const double half_body = 0.15 * stature, side = random.sign(), half_width = 0.2;
+      const double edge = half_body * (1 - 2 * synth_.occluded) * nearer;
+      room.furniture.push_back({{Eigen::Matrix3d::Identity(), {side * (edge + half_width), 0.5 * stature, -before}},
+                                {half_width, 0.5 * stature, kHalfDepth}});
+    }
+  }
+  empty_room_.reset(info_.intrinsics);
+  render_room(room, camera_from_world_, empty_room_);
+}
+
+void SynthSource::place_seat(const Actor& actor, Posture posture, const RigidTransform& where) {
+  if (posture == Posture::Chair) {
+    const RigidTransform under = where * RigidTransform{Eigen::Matrix3d::Identity(), Vector3d(0, 0, 0.06)};
+    render_boxes(chair(under, actor.seat_height(), 0.23, 0.45), camera_from_world_, empty_room_);
+  } else if (posture == Posture::Wheelchair) {
+    const RigidTransform camera_from_chair = camera_from_world_ * where;
+    wheelchair(actor.seat_height(), actor.person().shape.thigh, edges_);
+    for (SurfaceEdge& edge : edges_) edge = moved(edge, camera_from_chair.rotation, camera_from_chair.translation);
+    render_edges(edges_, 0, empty_room_);
   }
 }
 

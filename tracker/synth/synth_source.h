@@ -25,6 +25,11 @@ struct SynthOptions {
   double distance_m = 0;  ///< 0: such that she is wholly in view
   double noise = 1;       ///< strength; 0 = an ideal camera
   Outfit::Bag carry = Outfit::Bag::None;
+  Side carry_side = Side::Right;
+  PersonWish wish;             ///< who the user is
+  bool furnished = true;       ///< the room
+  double occluded = 0;         ///< share of the user that furniture before her hides, in [0, 0.6]
+  bool occluded_below = true;  ///< by a counter, from below; otherwise by a pillar, from one side
 };
 
 /// What is true in a frame.
@@ -60,6 +65,8 @@ class SynthSource final : public DepthSource {
  private:
   SynthSource(const Script& script, const SynthOptions& synth, const OpenOptions& options);
   void place_actors();
+  void place_room(Random& random, double stature, double distance, double camera_height);
+  void place_seat(const Actor& actor, Posture posture, const RigidTransform& where);
   void calibrate();
   /// The joints of a body in the camera frame, all of them observed.
   [[nodiscard]] Skeleton true_skeleton(const PosedBody& body, const RigidTransform& camera_from_body) const;

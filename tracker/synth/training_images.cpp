@@ -63,6 +63,7 @@ void mask_with_ragged_feet(const SurfaceImage& image, const SensedImage& sensed,
 }
 
 void TrainingSampler::sample(std::uint64_t seed, LabelledImage& out) {
+  seed &= ~kHeldOut;
   Random random(seed);
   // Somebody who is hardly in view teaches nothing: draw again, a few times at most.
   for (int attempt = 0; attempt < 5; ++attempt) {

@@ -40,8 +40,8 @@ struct LabelledImage {
 
 /// Draws labelled images of people, each from its own seed: person, pose, camera, occluders and noise. The domain:
 /// standing, the seven motions, walking, jogging, lunges, squats, sitting, reaching; arms doing anything; children;
-/// bags; turned up to 60 degrees; 1.2 to 4 m. Deterministic: the image depends on options and seed alone. Holds
-/// buffers: one sampler a thread.
+/// bags; turned up to 60 degrees; 1.2 to 4 m. Deterministic: the image depends on options and seed (without its bit
+/// kHeldOut) alone. Holds buffers: one sampler a thread.
 class TrainingSampler {
  public:
   explicit TrainingSampler(const TrainingOptions& options) : options_(options) {}
