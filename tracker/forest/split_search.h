@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "tracker/forest/feature_bins.h"
 #include "tracker/forest/random.h"
 #include "tracker/forest/training_set.h"
 
@@ -21,17 +22,17 @@ class SplitSearch {
                                               std::span<const TrainingSample> samples, TrainingRandom random);
 
  private:
-  struct Feature {
-    SplitNode node;
-    std::int32_t step_mm = 0;  ///< between thresholds, which lie at (k - 11) * step_mm
-  };
-  [[nodiscard]] Feature random_feature(TrainingRandom& random) const;
-  void fill_histograms(std::span<const TrainingPerson> persons, std::span<const Feature> features);
+  void draw_features(TrainingRandom random);
+  void fill_histograms(std::span<const TrainingPerson> persons, std::span<const TrainingSample> samples,
+                       std::span<const std::uint16_t> column_of_part);
 
   TrainerOptions options_;
-  std::vector<TrainingSample> chosen_;  // the node's samples, thinned to options.node_samples
-  std::vector<Feature> features_;
-  std::vector<std::uint16_t> histogram_;  // [feature of a block][bin][32 parts]
+  std::vector<TrainingSample> thinned_;  // scratch of find()
+  std::vector<CandidateFeature> drawn_;
+  FeatureBins bins_;
+  std::vector<std::uint16_t> rows_;       // [sample of a chunk][feature]: where its histogram counts the sample
+  std::vector<std::uint16_t> histogram_;  // [feature][bin][part that occurs here]
+  std::size_t columns_ = 0;               // parts that occur here, padded
   std::vector<std::uint32_t> n_log_n_;    // n log2 n in 4096ths of a bit
 };
 

@@ -12,13 +12,13 @@
 namespace armature {
 
 /// A training image reduced to its person.
-struct TrainingPerson {
+struct alignas(64) TrainingPerson {
   std::vector<std::uint16_t> depth_mm;  ///< [height][width] as PersonImage has it
   int width = 0;
   int height = 0;
+  FixedFocal focal;
   int left = 0, top = 0;  ///< where the cut-out's first pixel stands in the image; -1 where the border sticks out
   Intrinsics intrinsics;  ///< of the cut-out: its centre is relative to the cut-out's first pixel
-  FixedFocal focal;
   std::array<Eigen::Vector3f, kJointCount> joints{};
 
   [[nodiscard]] PersonImage image() const noexcept { return {depth_mm.data(), width, height}; }

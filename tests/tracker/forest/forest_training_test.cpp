@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tracker/forest/paper_doll.h"
+#include "tracker/forest/feature_bins.h"
 #include "tracker/forest/split_search.h"
 #include "tracker/forest/trainer.h"
 #include "tracker/forest/training_set.h"
@@ -98,6 +99,45 @@ TEST(ForestTraining, OptionsOutOfRangeAndImagesOfNobodyAreErrors) {
   forest = train_forest(options, nobody, {}, {});
   ASSERT_FALSE(forest.has_value());
   EXPECT_EQ(forest.error().message, "training: no image shows a pixel of a person");
+}
+
+TEST(ForestTraining, BinsOfFeaturesAreThoseOfTheFeatureItself) {
+  // Dolls at every edge of the image, so that probes leave it on all sides.
+  std::vector<TrainingPerson> persons;
+  std::vector<TrainingSample> samples;
+  for (const PaperDoll& doll : {PaperDoll{}, PaperDoll{-1.3F, -1.2F, 2.1F}, PaperDoll{1.7F, 0.2F, 3.5F}}) {
+    const TrainingImage image = paper_image(doll, qvga());
+    persons.push_back(cut_out_person(image));
+    draw_samples(image, persons.back(), static_cast<std::uint32_t>(persons.size() - 1), 100, 8, samples);
+  }
+  TrainingRandom random(4);
+  const auto probe = [&] { return static_cast<std::int16_t>(random.between(-kMaxProbe_mm, kMaxProbe_mm)); };
+  std::vector<CandidateFeature> features;
+  for (std::uint32_t number = 0; number < 203; ++number) {
+    CandidateFeature feature{{}, random.between(3, 66), number};
+    feature.node.u_mm = {probe(), probe()};
+    if (number % 3 != 0) feature.node.v_mm = {probe(), probe()};
+    features.push_back(feature);
+  }
+  FeatureBins bins;
+  bins.assign(features);
+  ASSERT_EQ(bins.features().size(), features.size());
+  std::array<std::uint16_t, kPartCount> offset_of_part{};
+  for (std::size_t part = 0; part < kPartCount; ++part) offset_of_part[part] = static_cast<std::uint16_t>(part);
+  std::vector<std::uint16_t> rows(samples.size() * bins.stride());
+  bins.find(persons, samples, 32, offset_of_part, rows.data());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const TrainingPerson& person = persons[samples[i].person];
+    const PersonImage image = person.image();
+    const ProbeScale scale = probe_scale(person.focal, image.depth_mm[samples[i].v * image.width + samples[i].u]);
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      const CandidateFeature& feature = bins.features()[f];
+      const int value = part_feature(image, samples[i].u, samples[i].v, scale, feature.node);
+      int bin = 0;
+      for (int k = -11; k <= 11; ++k) bin += value >= k * feature.step_mm ? 1 : 0;
+      ASSERT_EQ(rows[i * bins.stride() + f], bin * 32 + samples[i].part) << "sample " << i << ", feature " << f;
+    }
+  }
 }
 
 TEST(ForestTraining, ASplitSeparatesTwoHalvesThatOneFeatureTellsApart) {
