@@ -1,5 +1,6 @@
 #include "sdk/io/file_bytes.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -26,7 +27,7 @@ Expected<void> check_readable(const std::filesystem::path& path) {
   return {};
 }
 
-Expected<std::string> read_file_bytes(const std::filesystem::path& path) {
+Expected<std::string> read_file_bytes(const std::filesystem::path& path, std::size_t most) {
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
   if (!file) return fail(path.string() + ": cannot be read: " + reason(errno));
   std::error_code ignored;
@@ -34,8 +35,8 @@ Expected<std::string> read_file_bytes(const std::filesystem::path& path) {
   std::string bytes;
   constexpr std::size_t kChunk = 1U << 20U;
   // One byte more than there should be, so that the end is seen without growing.
-  std::size_t room = ignored ? kChunk : static_cast<std::size_t>(size) + 1;
-  for (std::size_t got = room; got == room; room = kChunk) {
+  std::size_t room = std::min(most, ignored ? kChunk : static_cast<std::size_t>(size) + 1);
+  for (std::size_t got = room; got == room && bytes.size() < most; room = std::min(kChunk, most - bytes.size())) {
     const std::size_t had = bytes.size();
     bytes.resize(had + room);
     errno = 0;

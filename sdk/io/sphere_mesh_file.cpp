@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cctype>
 
 #include <armature/sdk/io/sphere_mesh_file.h>
 
 #include "sdk/io/encode.h"
 #include "sdk/io/file_bytes.h"
+#include "sdk/io/ply_header.h"
 #include "sdk/io/sphere_mesh_parsers.h"
 
 namespace armature::sdk {
@@ -91,6 +93,18 @@ std::optional<SphereMeshFormat> sphere_mesh_format_of(const std::filesystem::pat
   if (extension == ".ply") return SphereMeshFormat::Ply;
   if (extension == ".urdf") return SphereMeshFormat::Urdf;
   return {};
+}
+
+bool holds_sphere_mesh(const std::filesystem::path& path) {
+  const auto format = sphere_mesh_format_of(path);
+  if (format != SphereMeshFormat::Ply) return format.has_value();
+  constexpr std::size_t kLongestHeader = 1U << 16U;
+  const auto bytes = read_file_bytes(path, kLongestHeader);
+  if (!bytes) return false;
+  const auto header = parse_ply_header(*bytes, path.string());
+  return header && std::ranges::any_of(header->elements, [](const PlyElement& element) {
+           return element.name == "vertex" && element.find({"radius"});
+         });
 }
 
 Expected<SphereMesh> parse_sphere_mesh(std::string_view bytes, SphereMeshFormat format, std::string_view name,

@@ -2,16 +2,17 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 
+#include "tools/commands/choices.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/render_sheet.h"
 #include "tools/json_lines.h"
@@ -20,18 +21,26 @@
 namespace armature::tools {
 namespace {
 
-struct NamedView {
-  const char* name;
+struct Angles {
   double azimuth_deg;
   double elevation_deg;
 };
-constexpr std::array<NamedView, 7> kViews = {{{"front", 0, 0},
-                                              {"back", 180, 0},
-                                              {"left", -90, 0},
-                                              {"right", 90, 0},
-                                              {"top", 0, 90},
-                                              {"bottom", 0, -90},
-                                              {"three-quarter", 35, 20}}};
+constexpr std::array<std::pair<const char*, Angles>, 7> kViews = {{{"front", {0, 0}},
+                                                                   {"back", {180, 0}},
+                                                                   {"left", {-90, 0}},
+                                                                   {"right", {90, 0}},
+                                                                   {"top", {0, 90}},
+                                                                   {"bottom", {0, -90}},
+                                                                   {"three-quarter", {35, 20}}}};
+constexpr std::array<std::pair<const char*, viewer::Up>, 6> kUps = {{{"x", viewer::Up::X},
+                                                                     {"y", viewer::Up::Y},
+                                                                     {"z", viewer::Up::Z},
+                                                                     {"-x", viewer::Up::MinusX},
+                                                                     {"-y", viewer::Up::MinusY},
+                                                                     {"-z", viewer::Up::MinusZ}}};
+constexpr std::array<std::pair<const char*, StructureView>, 3> kStructures = {
+    {{"beside", StructureView::Beside}, {"instead", StructureView::Instead}, {"inside", StructureView::Inside}}};
+constexpr std::array<std::pair<const char*, bool>, 2> kFitsEach = {{{"all", false}, {"each", true}}};
 
 struct Arguments {
   std::vector<std::string> files;
@@ -68,33 +77,17 @@ std::string check_colour(const std::string& text) {
 SheetOptions sheet_options(const Arguments& arguments) {
   SheetOptions options;
   if (!arguments.size.empty()) std::sscanf(arguments.size.c_str(), "%dx%d", &options.width, &options.height);
-  for (const NamedView& view : kViews) {
-    if (arguments.view != view.name) continue;
-    constexpr double kRadians = std::numbers::pi / 180;
-    options.view.azimuth_rad = kRadians * arguments.azimuth_deg.value_or(view.azimuth_deg);
-    options.view.elevation_rad = kRadians * arguments.elevation_deg.value_or(view.elevation_deg);
-  }
-  constexpr std::array<const char*, 6> kUps = {"x", "y", "z", "-x", "-y", "-z"};  // in the order of viewer::Up
-  options.view.up = static_cast<viewer::Up>(std::find(kUps.begin(), kUps.end(), arguments.up) - kUps.begin());
-  if (arguments.structure == "beside") options.structure = StructureView::Beside;
-  if (arguments.structure == "instead") options.structure = StructureView::Instead;
-  if (arguments.structure == "inside") options.structure = StructureView::Inside;
+  const Angles& view = choice_of(kViews, arguments.view);
+  constexpr double kRadians = std::numbers::pi / 180;
+  options.view.azimuth_rad = kRadians * arguments.azimuth_deg.value_or(view.azimuth_deg);
+  options.view.elevation_rad = kRadians * arguments.elevation_deg.value_or(view.elevation_deg);
+  options.view.up = choice_of(kUps, arguments.up);
+  if (!arguments.structure.empty()) options.structure = choice_of(kStructures, arguments.structure);
   options.overlay = arguments.overlay;
-  options.fit_each = arguments.fit == "each";
+  options.fit_each = choice_of(kFitsEach, arguments.fit);
   options.wireframe = arguments.wireframe;
   if (!arguments.background.empty()) options.background = colour_named(arguments.background);
   return options;
-}
-
-/// Whether a PLY file's header gives its vertices a radius: then it is a sphere-mesh.
-bool has_radius(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string line;
-  for (int lines = 0; lines < 1000 && std::getline(in, line) && line.rfind("end_header", 0) != 0; ++lines) {
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-    if (line.rfind("property", 0) == 0 && line.size() > 7 && line.substr(line.size() - 7) == " radius") return true;
-  }
-  return false;
 }
 
 /// Adds what a file holds: one shape, or those levels of a hierarchy.
@@ -115,9 +108,7 @@ Expected<void> load(const std::string& file, std::span<const std::size_t> levels
     }
     return {};
   }
-  const auto format = sdk::sphere_mesh_format_of(file);
-  if (format == sdk::SphereMeshFormat::Ma || (format == sdk::SphereMeshFormat::Ply && has_radius(file)))
-    return add(sdk::read_sphere_mesh(file, task));
+  if (sdk::holds_sphere_mesh(file)) return add(sdk::read_sphere_mesh(file, task));
   return add(sdk::read_mesh(file, {}, task));
 }
 
@@ -171,10 +162,8 @@ void add_render(CLI::App& app, Run& run) {
   command->add_option("--size", arguments->size, "Of the picture, in pixels [1200x900; several shapes: 720x640 each]")
       ->check(check_size)
       ->type_name("WxH");
-  std::vector<std::string> views;
-  for (const NamedView& view : kViews) views.emplace_back(view.name);
   command->add_option("--view", arguments->view, "From where the shapes are seen")
-      ->check(CLI::IsMember(views))
+      ->check(CLI::IsMember(names_of(kViews)))
       ->capture_default_str();
   command
       ->add_option("--azimuth", arguments->azimuth_deg, "Degrees about the up direction instead; 0 = front, 90 = right")
@@ -182,14 +171,14 @@ void add_render(CLI::App& app, Run& run) {
   command->add_option("--elevation", arguments->elevation_deg, "Degrees above the horizon instead")
       ->check(CLI::Range(-90.0, 90.0));
   command->add_option("--up", arguments->up, "Which direction of the models is up")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->check(CLI::IsMember(names_of(kUps)))
       ->capture_default_str();
   command->add_flag("--overlay", arguments->overlay, "All shapes in one place; meshes as glass over sphere-meshes");
   command
       ->add_flag("--structure{beside}", arguments->structure,
                  "Show the spheres, edges and triangles that span sphere-meshes: beside their surfaces, or "
                  "--structure=instead, --structure=inside (a surface of glass)")
-      ->check(CLI::IsMember({"beside", "instead", "inside"}));
+      ->check(CLI::IsMember(names_of(kStructures)));
   command->add_option("--spheres", arguments->spheres, "Which levels of a hierarchy (.smh)")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
@@ -197,7 +186,7 @@ void add_render(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_flag("--wireframe", arguments->wireframe, "Show the edges of meshes");
   command->add_option("--fit", arguments->fit, "One camera for all shapes, or one for each")
-      ->check(CLI::IsMember({"all", "each"}))
+      ->check(CLI::IsMember(names_of(kFitsEach)))
       ->capture_default_str();
   command->add_option("--background", arguments->background, "white, black or #rrggbb [a light gradient]")
       ->check(check_colour)

@@ -28,16 +28,15 @@ SurfaceMesh surface_of(const armature::sdk::Mesh& mesh) {
 
 int main(int argc, char** argv) {
   const armature::sdk::Mesh mesh = armature::peers::mesh_of_command_line(argc, argv);
-  const auto prepare = [&] { return surface_of(mesh); };
   const simplification::Count_stop_predicate<SurfaceMesh> to_the_end(1);
 
   // What edge_collapse() returns counts edges, three or so a collapse.
   const auto removed = [&](const SurfaceMesh& surface) { return mesh.positions.size() - surface.number_of_vertices(); };
-  armature::peers::report("CGAL, Lindstrom-Turk", prepare, [&](SurfaceMesh& surface) {
+  armature::peers::report("CGAL, Lindstrom-Turk", surface_of(mesh), [&](SurfaceMesh& surface) {
     simplification::edge_collapse(surface, to_the_end);
     return removed(surface);
   });
-  armature::peers::report("CGAL, Garland-Heckbert", prepare, [&](SurfaceMesh& surface) {
+  armature::peers::report("CGAL, Garland-Heckbert", surface_of(mesh), [&](SurfaceMesh& surface) {
     using Policies = simplification::GarlandHeckbert_plane_policies<SurfaceMesh, Kernel>;
     const Policies policies(surface);
     simplification::edge_collapse(

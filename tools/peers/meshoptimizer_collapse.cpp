@@ -30,12 +30,10 @@ int main(int argc, char** argv) {
   }
   const std::size_t vertices = mesh.positions.size();
   const std::size_t used = used_vertices(indices.data(), indices.size(), vertices);
-  armature::peers::report(
-      "meshoptimizer", [&] { return std::vector<unsigned>(indices.size()); },
-      [&](std::vector<unsigned>& result) {
-        const std::size_t left = meshopt_simplify(result.data(), indices.data(), indices.size(), positions.data(),
-                                                  vertices, 3 * sizeof(float), 0, FLT_MAX, 0, nullptr);
-        return used - used_vertices(result.data(), left, vertices);
-      });
+  armature::peers::report("meshoptimizer", std::vector<unsigned>(indices.size()), [&](std::vector<unsigned>& result) {
+    const std::size_t left = meshopt_simplify(result.data(), indices.data(), indices.size(), positions.data(), vertices,
+                                              3 * sizeof(float), 0, FLT_MAX, 0, nullptr);
+    return used - used_vertices(result.data(), left, vertices);
+  });
   return 0;
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
@@ -7,6 +8,8 @@
 #include <armature/sdk/io/sphere_mesh_file.h>
 #include <armature/sdk/spheremesh/make_sphere_mesh.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/temporary_directory.h"
 
 namespace armature::sdk {
 namespace {
@@ -98,6 +101,23 @@ TEST(Ma, EveryTruncatedPrefixIsRefused) {
   const std::string whole = kShape;
   for (std::size_t length = 0; length + 1 < whole.size(); ++length)
     EXPECT_NE(refusal(whole.substr(0, length)), "accepted") << length;
+}
+
+TEST(SphereMeshFile, IsToldFromAMeshByItsNameAndItsHeader) {
+  const test::TemporaryDirectory directory;
+  const auto holds = [&](const char* name, const std::string& bytes) {
+    std::ofstream(directory / name, std::ios::binary) << bytes;
+    return holds_sphere_mesh(directory / name);
+  };
+  EXPECT_TRUE(holds("a.MA", ""));
+  EXPECT_FALSE(holds("a.off", ""));
+  EXPECT_TRUE(holds("a.ply", encode_sphere_mesh(awkward_shape(), SphereMeshFormat::Ply)));
+  const std::string vertices = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string ends = "end_header\n0 0 0 1\n";
+  EXPECT_FALSE(holds("a.ply", "ply\nformat ascii 1.0\n" + vertices + ends));
+  EXPECT_TRUE(holds("a.ply", "ply\nformat ascii 1.0\n" + vertices + "property float radius\n" + ends));
+  EXPECT_FALSE(holds("a.ply", "ply\n"));
+  EXPECT_FALSE(holds_sphere_mesh(directory / "missing.ply"));
 }
 
 TEST(SpherePly, HoldsTheSameBitsAndEveryTruncatedPrefixIsRefused) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <armature/sdk/distance/measure.h>
@@ -19,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/commands/choices.h"
 #include "tools/elapsed.h"
 #include "tools/evaluation/published.h"
 #include "tools/evaluation/shapes.h"
@@ -49,11 +52,6 @@ class SphereMeshBench {
   explicit SphereMeshBench(SphereMeshBenchOptions options) : options_(std::move(options)) {}
 
   Expected<void> run() {
-    using Section = Expected<void> (SphereMeshBench::*)();
-    static constexpr std::pair<std::string_view, Section> kSections[] = {
-        {"table", &SphereMeshBench::table},   {"fit", &SphereMeshBench::fit},      {"noise", &SphereMeshBench::noise},
-        {"shell", &SphereMeshBench::shell},   {"half", &SphereMeshBench::half},    {"few", &SphereMeshBench::few},
-        {"levels", &SphereMeshBench::levels}, {"growth", &SphereMeshBench::growth}};
     for (const auto& [name, section] : kSections) {
       const bool wanted = options_.only.empty() || std::ranges::find(options_.only, name) != options_.only.end();
       if (!wanted) continue;
@@ -64,7 +62,13 @@ class SphereMeshBench {
     return {};
   }
 
+  /// The names of the experiments, in their order.
+  [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
+
  private:
+  using Section = Expected<void> (SphereMeshBench::*)();
+  static const std::array<std::pair<const char*, Section>, 8> kSections;
+
   /// Table 4.1, beside what is printed there.
   Expected<void> table() {
     title("Table 4.1: sphere-meshes with the thesis's settings, and QEM, beside the printed values");
@@ -358,6 +362,16 @@ class SphereMeshBench {
   mutable bool headed_ = false;
 };
 
+constexpr std::array<std::pair<const char*, SphereMeshBench::Section>, 8> SphereMeshBench::kSections = {
+    {{"table", &SphereMeshBench::table},
+     {"fit", &SphereMeshBench::fit},
+     {"noise", &SphereMeshBench::noise},
+     {"shell", &SphereMeshBench::shell},
+     {"half", &SphereMeshBench::half},
+     {"few", &SphereMeshBench::few},
+     {"levels", &SphereMeshBench::levels},
+     {"growth", &SphereMeshBench::growth}}};
+
 }  // namespace
 
 void add_bench_spheremesh(CLI::App& bench, Run& run) {
@@ -368,9 +382,9 @@ void add_bench_spheremesh(CLI::App& bench, Run& run) {
       "4.8 of the thesis, fitted sphere-meshes, and how time and memory grow.");
   command->add_option("--models", options->models, "folder with the models, under their published names")
       ->type_name("FOLDER");
-  command->add_option("--only", options->only, "some of: table, fit, noise, shell, half, few, levels, growth")
+  command->add_option("--only", options->only, "some of the experiments")
       ->delimiter(',')
-      ->check(CLI::IsMember({"table", "fit", "noise", "shell", "half", "few", "levels", "growth"}));
+      ->check(CLI::IsMember(SphereMeshBench::sections()));
   command->add_flag("--json", options->json, "one JSON object a row");
   command->footer(
       "Without models, shapes of our own stand in where they can. H is the two-sided Hausdorff distance, M12 the mean\n"

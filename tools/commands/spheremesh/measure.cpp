@@ -21,14 +21,6 @@ struct Arguments {
   bool json = false;
 };
 
-/// PLY holds either; its vertices then have a radius or not.
-bool holds_sphere_mesh(const Arguments& arguments) {
-  if (arguments.as_mesh) return false;
-  const auto format = sdk::sphere_mesh_format_of(arguments.approximation);
-  if (format == sdk::SphereMeshFormat::Ply) return sdk::read_sphere_mesh(arguments.approximation).has_value();
-  return format.has_value();
-}
-
 Expected<sdk::ApproximationErrors> compare(const Arguments& arguments, SdkCall& call) {
   const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
   if (!mesh) return tl::unexpected(mesh.error());
@@ -37,7 +29,7 @@ Expected<sdk::ApproximationErrors> compare(const Arguments& arguments, SdkCall& 
   const auto named = [&](auto result) {
     return std::move(result).map_error([&](sdk::Error&& error) { return Error{where + error.message}; });
   };
-  if (holds_sphere_mesh(arguments)) {
+  if (!arguments.as_mesh && sdk::holds_sphere_mesh(arguments.approximation)) {
     const auto shape = ours(sdk::read_sphere_mesh(arguments.approximation, call.task()));
     if (!shape) return tl::unexpected(shape.error());
     return named(sdk::measure(*mesh, *shape, options, call.task()));

@@ -22,6 +22,10 @@ enum class SphereMeshFormat : std::uint8_t {
 /// The format that a file's extension stands for: .ma, .ply or .urdf, in either case.
 [[nodiscard]] std::optional<SphereMeshFormat> sphere_mesh_format_of(const std::filesystem::path& path);
 
+/// Whether a file is to be read as a sphere-mesh and not as a triangle mesh: by its extension, and of PLY by its
+/// header, which gives vertices a radius or not. False for a .ply file that cannot be read.
+[[nodiscard]] bool holds_sphere_mesh(const std::filesystem::path& path);
+
 /// Reads a sphere-mesh from a .ma or .ply file. Edges that lie on triangles may be listed or not; the result names none
 /// of them. Blank lines and comments after '#' are skipped. Refused with the line or byte: a count that does not hold,
 /// an index out of range, a coordinate or radius that is not finite, a negative radius, a file without a sphere.
