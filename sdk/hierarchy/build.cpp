@@ -69,8 +69,10 @@ class Builder {
                 static_cast<std::uint32_t>(std::clamp<std::size_t>(options.stop_at, 1, vertex_count()))) {
     for (const auto& [vertex, sphere] : options.pinned) {
       const auto slot = static_cast<std::uint32_t>(vertex.index());
-      metric_.pin(slot, sphere ? Sphere{shape_.from_model(sphere->centre), sphere->radius / shape_.scale}
-                               : Sphere{shape_.positions[slot], 0});
+      const Sphere pinned = sphere ? Sphere{shape_.from_model(sphere->centre), sphere->radius / shape_.scale}
+                                   : Sphere{shape_.positions[slot], 0};
+      metric_.pin(slot, pinned);
+      recorder_.pin(slot, pinned);
     }
     if (!options.keep_topology) add_links(links_through_the_solid(shape_, options.enrichment));
     shape_.positions = {};

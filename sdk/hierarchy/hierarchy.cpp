@@ -67,6 +67,13 @@ std::string fault(const Hierarchy::Parts& parts) {
     return "expected a sphere and a count of triangles for every collapse";
   for (std::size_t k = 0; k < leaves; ++k)
     if (!finite(parts.leaves[k])) return at("vertex", k) + " is not finite";
+  for (std::size_t k = 0; k < parts.pinned.size(); ++k) {
+    const auto& [vertex, sphere] = parts.pinned[k];
+    if (vertex >= leaves || (k > 0 && vertex <= parts.pinned[k - 1].vertex))
+      return at("pinned sphere", k) + ": expected vertices in ascending order";
+    if (!finite(sphere) || sphere[3] < 0)
+      return at("pinned sphere", k) + ": expected finite numbers and a radius that is not negative";
+  }
   std::vector<bool> used(leaves + collapses, false);
   for (std::size_t k = 0; k < collapses; ++k) {
     if (!finite(parts.spheres[k]) || parts.spheres[k][3] < 0)
@@ -135,12 +142,15 @@ Sphere Hierarchy::sphere(NodeId node) const noexcept {
   const auto place_in_model = [&](float x, float y, float z) {
     return Eigen::Vector3d(parts_.origin + parts_.scale * Eigen::Vector3d(x, y, z));
   };
-  if (is_leaf(node)) {
-    const auto& [x, y, z] = parts_.leaves[node.index()];
-    return {place_in_model(x, y, z), 0};
-  }
-  const auto& [x, y, z, r] = parts_.spheres[node.index() - leaf_count()];
-  return {place_in_model(x, y, z), parts_.scale * static_cast<double>(r)};
+  const auto unpacked = [&](const PackedSphere& packed) {
+    const auto& [x, y, z, r] = packed;
+    return Sphere{place_in_model(x, y, z), parts_.scale * static_cast<double>(r)};
+  };
+  if (!is_leaf(node)) return unpacked(parts_.spheres[node.index() - leaf_count()]);
+  const auto pin = std::ranges::lower_bound(parts_.pinned, node.index(), {}, &Pinned::vertex);
+  if (pin != parts_.pinned.end() && pin->vertex == node.index()) return unpacked(pin->sphere);
+  const auto& [x, y, z] = parts_.leaves[node.index()];
+  return {place_in_model(x, y, z), 0};
 }
 
 std::array<NodeId, 2> Hierarchy::children(NodeId node) const noexcept {

@@ -13,10 +13,11 @@
 //   u32       version
 //   u32       CRC-32 of all that follows
 //   u64       how many bytes follow
-//   u32 x 4   vertices, collapses, triangles, wire edges
+//   u32 x 5   vertices, collapses, triangles, wire edges, pinned vertices
 //   f64 x 4   origin, scale
 //   f32 x 3   by vertex: its centre
 //   f32 x 4   by collapse: centre and radius of its sphere
+//   u32, f32 x 4  by pinned vertex, ascending: which, and centre and radius of its sphere
 // and then numbers in groups of seven bits, the lowest first, the eighth bit set on all but a number's last byte:
 //   2 by collapse k       vertices + k - 1 - child
 //   1 by level but the last: triangles that it has and the next has not
@@ -94,14 +95,15 @@ class Reader {
 
 /// The parts behind the header; what they say is checked when they are assembled.
 Expected<Hierarchy::Parts> parse_parts(Reader in, std::string_view name) {
-  std::array<std::uint32_t, 4> counts{};
+  std::array<std::uint32_t, 5> counts{};
   for (auto& count : counts) count = in.get<std::uint32_t>();
-  const auto [vertices, collapses, triangles, wires] = counts;
+  const auto [vertices, collapses, triangles, wires, pins] = counts;
   Hierarchy::Parts parts;
   for (double& coordinate : parts.origin) coordinate = in.get<double>();
   parts.scale = in.get<double>();
   // Every number takes a byte at least.
-  const std::uint64_t least = 12ULL * vertices + (16ULL + 2 + 1) * collapses + 3ULL * triangles + 4ULL * wires;
+  const std::uint64_t least =
+      12ULL * vertices + (16ULL + 2 + 1) * collapses + 3ULL * triangles + 4ULL * wires + 20ULL * pins;
   if (!in.ok() || in.left() < least)
     return fail(std::string(name) + ": expected at least " + std::to_string(least) + " bytes for " +
                 std::to_string(vertices) + " vertices; found " + std::to_string(in.left()));
@@ -110,6 +112,11 @@ Expected<Hierarchy::Parts> parse_parts(Reader in, std::string_view name) {
   for (auto& leaf : parts.leaves) leaf = in.get<std::array<float, 3>>();
   parts.spheres.resize(collapses);
   for (auto& sphere : parts.spheres) sphere = in.get<Hierarchy::PackedSphere>();
+  parts.pinned.resize(pins);
+  for (auto& [vertex, sphere] : parts.pinned) {
+    vertex = in.get<std::uint32_t>();
+    sphere = in.get<Hierarchy::PackedSphere>();
+  }
   parts.children.resize(collapses);
   for (std::uint32_t k = 0; k < collapses; ++k)
     for (auto& child : parts.children[k]) child = vertices + k - 1 - in.varint();
@@ -142,10 +149,15 @@ std::string encode_hierarchy(const Hierarchy& hierarchy) {
   append_binary(body, static_cast<std::uint32_t>(parts.children.size()));
   append_binary(body, static_cast<std::uint32_t>(parts.triangles.size()));
   append_binary(body, static_cast<std::uint32_t>(parts.wire_edges.size()));
+  append_binary(body, static_cast<std::uint32_t>(parts.pinned.size()));
   for (const double coordinate : parts.origin) append_binary(body, coordinate);
   append_binary(body, parts.scale);
   for (const auto& leaf : parts.leaves) append_binary(body, leaf);
   for (const auto& sphere : parts.spheres) append_binary(body, sphere);
+  for (const auto& [vertex, sphere] : parts.pinned) {
+    append_binary(body, vertex);
+    append_binary(body, sphere);
+  }
   for (std::uint32_t k = 0; k < parts.children.size(); ++k)
     for (const auto child : parts.children[k]) append_varint(body, vertices + k - 1 - child);
   for (std::size_t k = 1; k < parts.lasting.size(); ++k) append_varint(body, parts.lasting[k - 1] - parts.lasting[k]);

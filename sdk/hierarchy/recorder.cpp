@@ -5,10 +5,23 @@
 
 namespace armature::sdk {
 
+namespace {
+
+Hierarchy::PackedSphere packed(const Sphere& sphere) {
+  const Eigen::Vector3f centre = sphere.centre.cast<float>();
+  return {centre.x(), centre.y(), centre.z(), static_cast<float>(sphere.radius)};
+}
+
+}  // namespace
+
 Recorder::Recorder(std::size_t vertices) : node_in_(vertices) {
   parts_.spheres.reserve(vertices);
   parts_.children.reserve(vertices);
   std::iota(node_in_.begin(), node_in_.end(), 0U);
+}
+
+void Recorder::pin(std::uint32_t vertex, const Sphere& sphere) {
+  parts_.pinned.push_back({vertex, packed(sphere)});
 }
 
 void Recorder::record(std::uint32_t kept, std::uint32_t gone, const Sphere& sphere) {
@@ -16,8 +29,7 @@ void Recorder::record(std::uint32_t kept, std::uint32_t gone, const Sphere& sphe
   parts_.children.push_back({node_in_[kept], node_in_[gone]});
   node_in_[kept] = node;
   node_in_[gone] = kNoIndex;
-  const Eigen::Vector3f centre = sphere.centre.cast<float>();
-  parts_.spheres.push_back({centre.x(), centre.y(), centre.z(), static_cast<float>(sphere.radius)});
+  parts_.spheres.push_back(packed(sphere));
 }
 
 std::vector<std::uint32_t> Recorder::roots() const {
@@ -38,13 +50,17 @@ Hierarchy::Parts Recorder::finish(const Mesh& mesh, const NormalisedShape& shape
   // The hierarchy's axes are the model's.
   const Eigen::Matrix3f back = shape.turn.transpose().cast<float>();
   if (!shape.turn.isIdentity(0)) {
-    for (auto& [x, y, z, radius] : parts_.spheres) {
+    const auto turn = [&](Hierarchy::PackedSphere& sphere) {
+      auto& [x, y, z, radius] = sphere;
       const Eigen::Vector3f centre = back * Eigen::Vector3f(x, y, z);
       x = centre.x();
       y = centre.y();
       z = centre.z();
-    }
+    };
+    for (auto& sphere : parts_.spheres) turn(sphere);
+    for (auto& pin : parts_.pinned) turn(pin.sphere);
   }
+  std::ranges::sort(parts_.pinned, {}, &Hierarchy::Pinned::vertex);
   parts_.leaves.reserve(mesh.positions.size());
   for (const auto& position : mesh.positions) {
     const Eigen::Vector3f p = ((position - shape.origin) / shape.scale).cast<float>();

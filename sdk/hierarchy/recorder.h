@@ -16,6 +16,8 @@ class Recorder {
  public:
   explicit Recorder(std::size_t vertices);
 
+  /// What a vertex is from the finest level on.
+  void pin(std::uint32_t vertex, const Sphere& sphere);
   /// The next collapse: which slots, and the sphere of their union.
   void record(std::uint32_t kept, std::uint32_t gone, const Sphere& sphere);
   /// The slots in use, in ascending order.

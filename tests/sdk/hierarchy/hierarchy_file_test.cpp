@@ -40,13 +40,16 @@ TEST(Crc32, IsThatOfGzip) {
 }
 
 TEST(HierarchyFile, ReadsBackAsTheSame) {
-  for (const auto& mesh : {ball(3), two_balls(2), soup(50)}) {
-    const auto hierarchy = hierarchy_of(mesh);
+  const HierarchyOptions pins{.pinned = {{VertexId(7)}, {VertexId(2), Sphere{{1, 2, 3}, 4}}}};
+  for (const auto& [mesh, options] :
+       {std::pair(ball(3), HierarchyOptions()), {two_balls(2), {}}, {soup(50), {}}, {ball(2), pins}}) {
+    const auto hierarchy = build_hierarchy(mesh, options)->hierarchy;
     const auto bytes = encode_hierarchy(hierarchy);
     const auto again = parse_hierarchy(bytes, "test");
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ(again->parts().leaves, hierarchy.parts().leaves);
     EXPECT_EQ(again->parts().spheres, hierarchy.parts().spheres);
+    EXPECT_EQ(again->parts().pinned, hierarchy.parts().pinned);
     EXPECT_EQ(again->parts().children, hierarchy.parts().children);
     EXPECT_EQ(again->parts().triangles, hierarchy.parts().triangles);
     EXPECT_EQ(again->parts().lasting, hierarchy.parts().lasting);
@@ -62,6 +65,7 @@ TEST(HierarchyFile, HasTheseBytes) {
   parts.scale = 2;
   parts.leaves = {{0, 0, 0}, {0.5F, 0, 0}, {0, 0.5F, 0}};
   parts.spheres = {{0.25F, 0, 0, 0.125F}};
+  parts.pinned = {{2, {0, 0.5F, 0, 1}}};
   parts.children = {{0, 1}};
   parts.triangles = {{0, 1, 2}};
   parts.lasting = {1, 0};
@@ -71,21 +75,23 @@ TEST(HierarchyFile, HasTheseBytes) {
   const auto bytes = encode_hierarchy(*hierarchy);
   EXPECT_EQ(hex(bytes),
             "89534d480d0a1a0a"  // kind
-            "01000000"
-            "6d0816f6"          // version, checksum
-            "6e00000000000000"  // bytes that follow
+            "02000000"
+            "1ba076b9"          // version, checksum
+            "8600000000000000"  // bytes that follow
             "03000000"
             "01000000"
             "01000000"
-            "01000000"  // vertices, collapses, triangles, wire edges
+            "01000000"
+            "01000000"  // vertices, collapses, triangles, wire edges, pinned vertices
             "000000000000f03f"
             "0000000000000040"
             "0000000000000840"
             "0000000000000040"  // origin, scale
             "000000000000000000000000"
             "0000003f0000000000000000"
-            "000000000000003f00000000"          // vertices
-            "0000803e00000000000000000000003e"  // sphere
+            "000000000000003f00000000"                  // vertices
+            "0000803e00000000000000000000003e"          // sphere
+            "02000000000000000000003f000000000000803f"  // pinned vertex
             "0201"
             "01"
             "000202"
@@ -116,6 +122,14 @@ TEST(HierarchyFile, RefusesEveryFlippedBit) {
   }
 }
 
+TEST(HierarchyFile, RefusesPinsOutOfOrder) {
+  const HierarchyOptions pins{.pinned = {{VertexId(7)}, {VertexId(2)}}};
+  auto parts = build_hierarchy(ball(1), pins)->hierarchy.parts();
+  EXPECT_TRUE(Hierarchy::assemble(parts));
+  std::swap(parts.pinned[0], parts.pinned[1]);
+  EXPECT_FALSE(Hierarchy::assemble(parts));
+}
+
 TEST(HierarchyFile, SurvivesWhatAnAuthorOfLiesWrites) {
   const auto hierarchy = hierarchy_of(soup(20));
   const auto bytes = encode_hierarchy(hierarchy);
@@ -132,7 +146,7 @@ TEST(HierarchyFile, SurvivesWhatAnAuthorOfLiesWrites) {
 
 TEST(HierarchyFile, TakesNoMemoryForCountsThatDoNotFit) {
   auto bytes = encode_hierarchy(hierarchy_of(ball(1)));
-  for (std::size_t k = 24; k < 40; ++k) bytes[k] = '\x7F';
+  for (std::size_t k = 24; k < 44; ++k) bytes[k] = '\x7F';
   const auto result = parse_hierarchy(sealed(bytes), "huge.smh");
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().message.find("expected at least"), std::string::npos) << result.error().message;
@@ -140,8 +154,8 @@ TEST(HierarchyFile, TakesNoMemoryForCountsThatDoNotFit) {
 
 TEST(HierarchyFile, RefusesAnotherVersion) {
   auto bytes = encode_hierarchy(hierarchy_of(ball(1)));
-  bytes[8] = 2;
-  EXPECT_EQ(parse_hierarchy(bytes, "new.smh").error().message, "new.smh: expected version 1, found 2");
+  bytes[8] = 1;
+  EXPECT_EQ(parse_hierarchy(bytes, "old.smh").error().message, "old.smh: expected version 2, found 1");
 }
 
 TEST(HierarchyFile, IsWrittenAndRead) {

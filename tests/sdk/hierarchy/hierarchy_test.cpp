@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 
 #include <Eigen/Geometry>
@@ -113,6 +114,19 @@ TEST(Build, KeepsPinnedSpheresAndNeverJoinsTwo) {
   const bool first = last->spheres[0].radius > 0;
   EXPECT_NEAR(last->spheres[first ? 0 : 1].radius, 0.25, 1e-6);
   EXPECT_NEAR((last->spheres[first ? 1 : 0].centre - mesh.positions[100]).norm(), 0, 1e-6);
+}
+
+TEST(Build, HasPinnedSpheresInEveryLevel) {
+  const auto mesh = ball(1);
+  const Sphere pin{{0.1, 0.2, 0.3}, 0.25};
+  const auto hierarchy = hierarchy_of(mesh, {.pinned = {{VertexId(11), pin}, {VertexId(3), pin}}});
+  for (std::size_t n = hierarchy.min_spheres(); n <= hierarchy.leaf_count(); ++n) {
+    const auto level = hierarchy.level(n);
+    std::size_t found = 0;
+    for (const auto& sphere : level->spheres)
+      found += (sphere.centre - pin.centre).norm() < 1e-6 && std::abs(sphere.radius - pin.radius) < 1e-6 ? 1U : 0U;
+    EXPECT_EQ(found, 2U) << n;
+  }
 }
 
 TEST(Build, NeverJoinsAcrossLabels) {

@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
@@ -13,6 +15,7 @@
 #include <armature/sdk/spheremesh/refine.h>
 #include <fmt/format.h>
 
+#include "tools/commands/spheremesh/constraints.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/elapsed.h"
 #include "tools/json_lines.h"
@@ -23,24 +26,64 @@ namespace armature::tools {
 namespace {
 
 struct BuildOptions {
-  std::string in, out, hierarchy_out;
+  std::string in, out, hierarchy_out, pins, labels;
   std::optional<std::size_t> spheres;
   std::optional<double> error_percent;
   std::optional<double> importance, regularise;
   double enrichment = 0;
-  bool paper = false, keep_topology = false;
+  bool paper = false, keep_topology = false, painted = false;
   bool refine = false, inner = false, outer = false;
   bool json = false;
 };
 
 constexpr std::size_t kDefaultSpheres = 50;
 
-sdk::HierarchyOptions hierarchy_options(const BuildOptions& options) {
+Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, const sdk::Mesh& mesh) {
   sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
   result.importance = options.importance.value_or(result.importance);
   result.regularise = options.regularise.value_or(result.regularise);
   result.enrichment = options.enrichment;
   result.keep_topology = options.keep_topology;
+  if (!options.pins.empty()) {
+    auto pins = read_pins(options.pins, mesh.positions.size());
+    if (!pins) return tl::unexpected(pins.error());
+    result.pinned = std::move(*pins);
+  }
+  if (!options.labels.empty()) {
+    auto labels = read_labels(options.labels, mesh.positions.size());
+    if (!labels) return tl::unexpected(labels.error());
+    result.labels = std::move(*labels);
+  }
+  if (options.painted) {
+    if (mesh.vertex_colours.empty())
+      return fail(options.in +
+                  ": --painted needs vertices with colours; it has none (--labels takes labels from a file)");
+    result.labels = labels_of_paint(mesh);
+  }
+  return result;
+}
+
+/// The options in use that forbid collapses.
+std::string limits(const BuildOptions& options) {
+  std::vector<std::string_view> names;
+  if (options.keep_topology) names.emplace_back("--keep-topology");
+  if (!options.pins.empty()) names.emplace_back("--pin");
+  if (!options.labels.empty()) names.emplace_back("--labels");
+  if (options.painted) names.emplace_back("--painted");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The spheres of a level that stand for pinned vertices.
+std::vector<sdk::SphereId> pinned_spheres(const sdk::Hierarchy& hierarchy, std::size_t spheres,
+                                          const std::vector<sdk::PinnedSphere>& pins) {
+  std::vector<sdk::SphereId> result;
+  if (pins.empty()) return result;
+  std::vector<bool> pinned(hierarchy.leaf_count(), false);
+  for (const auto& pin : pins) pinned[pin.vertex.index()] = true;
+  const auto nodes = hierarchy.nodes_of_level(spheres);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    if (std::ranges::any_of(hierarchy.vertices(nodes[k]), [&](sdk::VertexId v) { return pinned[v.index()]; }))
+      result.emplace_back(k);
   return result;
 }
 
@@ -61,14 +104,15 @@ Expected<void> build(const BuildOptions& options) {
   const double read_ms = milliseconds_since(start);
 
   const std::size_t vertices = mesh->positions.size();
-  const std::size_t spheres = options.spheres.value_or(std::min(kDefaultSpheres, vertices));
+  std::size_t spheres = options.spheres.value_or(std::min(kDefaultSpheres, vertices));
   if (spheres > vertices) {
     return fail(fmt::format("{}: {} spheres from {} vertices; --spheres takes at most as many as there are vertices",
                             options.in, spheres, vertices));
   }
-  sdk::HierarchyOptions settings = hierarchy_options(options);
-  if (options.hierarchy_out.empty() && !options.error_percent) settings.stop_at = spheres;
-  const auto built = ours(sdk::build_hierarchy(*mesh, settings, call.task()));
+  auto settings = hierarchy_options(options, *mesh);
+  if (!settings) return tl::unexpected(settings.error());
+  if (options.hierarchy_out.empty() && !options.error_percent) settings->stop_at = spheres;
+  const auto built = ours(sdk::build_hierarchy(*mesh, *settings, call.task()));
   if (!built) return fail(options.in + ": " + built.error().message);
   const sdk::Hierarchy& hierarchy = built->hierarchy;
   if (!options.hierarchy_out.empty()) {
@@ -76,8 +120,9 @@ Expected<void> build(const BuildOptions& options) {
     if (!written) return written;
   }
 
-  if (!options.error_percent && spheres < hierarchy.min_spheres()) {
-    return fail(fmt::format("{}: --keep-topology leaves no fewer than {} spheres; {} were asked for", options.in,
+  if (!options.spheres) spheres = std::max(spheres, hierarchy.min_spheres());
+  if (spheres < hierarchy.min_spheres()) {
+    return fail(fmt::format("{}: {}: no fewer than {} spheres are left; {} were asked for", options.in, limits(options),
                             hierarchy.min_spheres(), spheres));
   }
 
@@ -87,7 +132,10 @@ Expected<void> build(const BuildOptions& options) {
     const bool refines = options.refine || options.inner || options.outer;
     if (!level || !refines) return level;
     const auto before = std::chrono::steady_clock::now();
-    auto refined = sdk::refine(*mesh, *level, {.mode = fit_mode(options)}, call.task());
+    sdk::RefineOptions fit{.mode = fit_mode(options), .pinned = pinned_spheres(hierarchy, count, settings->pinned)};
+    // Spheres that are split and joined anew would not know their label.
+    if (!settings->labels.empty()) fit.rounds = 0;
+    auto refined = sdk::refine(*mesh, *level, fit, call.task());
     refine_ms += milliseconds_since(before);
     return refined;
   };
@@ -138,17 +186,35 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
       ->add_option("--importance", options->importance,
                    "how much more curved places count: 0 fits (default), 1 abstracts")
       ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option("--enrich", options->enrichment,
-                   "join vertices through the solid that are nearer than this part of the bounding box's diagonal")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  CLI::Option* enrich =
+      command
+          ->add_option("--enrich", options->enrichment,
+                       "join vertices through the solid that are nearer than this part of the bounding box's diagonal")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str();
   command->add_option("--regularise", options->regularise, "pull towards the middle of the region (default: 1e-4)")
       ->check(CLI::NonNegativeNumber);
-  command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh");
-  command->add_flag("--paper", options->paper, "the settings of the thesis: importance 1, regularise 0");
+  command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh")
+      ->excludes(enrich);
+  command
+      ->add_option("--pin", options->pins,
+                   "spheres that stay: a text file with a line each, VERTEX (it stays where it is, with radius 0) or "
+                   "VERTEX X Y Z RADIUS; vertices count from 0 in the order of IN")
+      ->type_name("FILE");
+  CLI::Option* labels =
+      command
+          ->add_option("--labels", options->labels,
+                       "never join vertices with different labels: a text file with a whole number for each vertex of "
+                       "IN, a line each. Refining then moves spheres and changes nothing else")
+          ->type_name("FILE");
+  command->add_flag("--painted", options->painted, "take the colours of IN's vertices as labels")->excludes(labels);
+  command->add_flag("--paper", options->paper,
+                    "the settings of the thesis: importance 1, regularise 0; collapses ranked by the error of the "
+                    "sphere that they make, not "
+                    "by what they add; radii bounded along the model's axes, not its own");
   command->add_flag("--refine", options->refine, "then fit what is interpolated between the spheres, both ways");
-  CLI::Option* inner = command->add_flag("--inner", options->inner, "refine so that the spheres stay within the mesh");
+  CLI::Option* inner = command->add_flag("--inner", options->inner,
+                                         "refine so that the spheres stay within the mesh, which must be closed");
   command->add_flag("--outer", options->outer, "refine so that the spheres enclose the mesh, for collision tests")
       ->excludes(inner);
   command->add_option("--hierarchy", options->hierarchy_out, "also store every level, for `spheremesh level`")
@@ -159,7 +225,8 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
       "Examples:\n"
       "  armature spheremesh build cow.obj cow.ma --spheres 60 --refine\n"
       "  armature spheremesh build cow.obj cow.urdf --error 0.5 --outer\n"
-      "  armature spheremesh build cow.obj cow.ma --hierarchy cow.smh");
+      "  armature spheremesh build cow.obj cow.ma --hierarchy cow.smh\n"
+      "  armature spheremesh build cow.ply cow.ma --painted --pin hooves.txt");
   command->callback([options, &run] { run = [options] { return build(*options); }; });
 }
 

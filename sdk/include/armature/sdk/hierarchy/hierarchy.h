@@ -34,12 +34,19 @@ class Hierarchy {
   };
   /// A centre and a radius in units of the model, about its middle: 6e-8 of its size is all a float loses there.
   using PackedSphere = std::array<float, 4>;
+  /// An input vertex that has a sphere of its own from the finest level on.
+  struct Pinned {
+    std::uint32_t vertex;  ///< of the input
+    PackedSphere sphere;   ///< instead of the vertex
+    friend bool operator==(const Pinned&, const Pinned&) = default;
+  };
 
   /// What a hierarchy is made of; also what its file holds.
   struct Parts {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();    ///< in the model's coordinates
     double scale = 1;                                    ///< lengths of the model to a unit; positive
-    std::vector<std::array<float, 3>> leaves;            ///< centres by input vertex; their radius is 0
+    std::vector<std::array<float, 3>> leaves;            ///< centres by input vertex; their radius is 0 unless pinned
+    std::vector<Pinned> pinned;                          ///< vertices ascending
     std::vector<PackedSphere> spheres;                   ///< by collapse
     std::vector<std::array<std::uint32_t, 2>> children;  ///< nodes by collapse, each made earlier, each used once
     std::vector<Triangle> triangles;                     ///< those that last longest first

@@ -12,7 +12,7 @@
 namespace armature::sdk {
 
 /// The version that is written; others are refused.
-inline constexpr std::uint32_t kHierarchyFileVersion = 1;
+inline constexpr std::uint32_t kHierarchyFileVersion = 2;
 
 /// Reads a hierarchy from a .smh file. Refused, with the file and what was expected: a file of another kind or
 /// version, one that is truncated, longer than it says, or altered (by its checksum), and contents that are no
