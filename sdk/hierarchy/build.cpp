@@ -28,6 +28,8 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
   if (!(options.importance >= 0) || !std::isfinite(options.importance)) return "importance: expected 0 or more";
   if (!(options.regularise >= 0) || !std::isfinite(options.regularise)) return "regularise: expected 0 or more";
+  if (!(options.radius_per_width >= 0) || !std::isfinite(options.radius_per_width))
+    return "radius per width: expected 0 or more";
   if (!(options.enrichment >= 0) || !std::isfinite(options.enrichment)) return "enrichment: expected 0 or more";
   if (options.enrichment > 0 && options.keep_topology) return "enrichment: expected 0 where the topology is kept";
   if (!options.weights.empty() && options.weights.size() != mesh.positions.size())
@@ -58,7 +60,10 @@ class Builder {
   Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights)
       : options_(options),
         shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
-        metric_(shape_, {.weights = weights, .regularise = options.regularise, .by_increase = options.by_increase}),
+        metric_(shape_, {.weights = weights,
+                         .regularise = options.regularise,
+                         .by_increase = options.by_increase,
+                         .radius_per_width = options.radius_per_width}),
         complex_(vertex_count(), shape_.triangles, links_of_loose_vertices(shape_, options.labels)),
         recorder_(shape_.positions.size()),
         decimation_(metric_, complex_,

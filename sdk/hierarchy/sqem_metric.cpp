@@ -7,7 +7,8 @@
 namespace armature::sdk {
 
 SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
-    : pivot_(options.regularise > 0 ? 0 : SphereDomain{}.pivot),
+    : radius_per_width_(options.radius_per_width),
+      pivot_(options.regularise > 0 ? 0 : SphereDomain{}.pivot),
       by_increase_(options.by_increase),
       regions_(shape.positions.size()),
       extents_(Extents::of_cells(shape.positions, shape.triangles)) {

@@ -20,6 +20,7 @@ class SqemMetric {
     std::span<const double> weights;  ///< the importance by vertex, or empty: 1
     double regularise = 0;            ///< eps
     bool by_increase = false;         ///< rank by what a collapse adds to the error, not by the error of the union
+    double radius_per_width = 0.75;   ///< bounds a radius by the region's smallest extent
   };
 
   /// A fit seen from one of the two spheres.
@@ -40,7 +41,7 @@ class SqemMetric {
     if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
     if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
     return {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
-      return kRadiusPerWidth * static_cast<double>(smallest_extent(extents_[a], extents_[b]));
+      return radius_per_width_ * static_cast<double>(smallest_extent(extents_[a], extents_[b]));
     })};
   }
 
@@ -73,14 +74,12 @@ class SqemMetric {
     Sphere sphere;
   };
 
-  /// 2 R = 3/2 W.
-  static constexpr double kRadiusPerWidth = 0.75;
-
   [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
   [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
 
+  double radius_per_width_;
   double pivot_;  // 0 with a regulariser, which leaves no centre undetermined
   bool by_increase_;
   std::vector<Region> regions_;   // by slot

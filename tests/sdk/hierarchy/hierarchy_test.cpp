@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -224,6 +225,18 @@ TEST(Build, RegionsOfGreatWeightGetMoreSpheres) {
   EXPECT_GT(upper, 25U);
 }
 
+TEST(Build, FitsTheBallThatAHalfOfIsLeft) {
+  auto mesh = ball(4);
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    return std::any_of(t.begin(), t.end(), [&](VertexId v) { return mesh.position(v).z() < -1e-9; });
+  });
+  const auto radius = [&](const HierarchyOptions& options) {
+    return hierarchy_of(mesh, options).level(1)->spheres[0].radius;
+  };
+  EXPECT_NEAR(radius({}), 1, 0.02);
+  EXPECT_NEAR(radius(HierarchyOptions::paper()), 0.75, 0.02);
+}
+
 TEST(Build, GivesNoCentreOrRadiusThatIsNotFinite) {
   auto flat = soup(60);
   for (auto& p : flat.positions) p.z() = 0;
@@ -255,6 +268,20 @@ TEST(Build, HasTheSizesOfTheThesisWithItsSettings) {
   EXPECT_LT(errors->hausdorff, 1.1 * 3.357);
   EXPECT_LT(errors->mean_input_to_approximation, 1.1 * 0.564);
   EXPECT_LT(errors->mean_approximation_to_input, 1.1 * 0.620);
+}
+
+TEST(Build, FitsTheElephantBetterThanTheThesis) {
+  const std::filesystem::path path = "../shared/data/meshes/elephant_24955.off";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const auto mesh = read_mesh(path);
+  ASSERT_TRUE(mesh);
+  const auto level = hierarchy_of(*mesh).level(45);
+  ASSERT_TRUE(level);
+  const auto errors = measure(*mesh, *level, {.samples = 5000});
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->hausdorff, 3.3);
+  EXPECT_LT(errors->mean_input_to_approximation, 0.42);
+  EXPECT_LT(errors->mean_approximation_to_input, 0.36);
 }
 
 TEST(Build, IsTheSameHoweverTheModelIsTurned) {
