@@ -11,8 +11,9 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
       pivot_(options.regularise > 0 ? 0 : SphereDomain{}.pivot),
       by_increase_(options.by_increase),
       regions_(shape.positions.size()),
+      spheres_(shape.positions.size()),
       extents_(Extents::of_cells(shape.positions, shape.triangles)) {
-  for (std::size_t v = 0; v < regions_.size(); ++v) regions_[v].sphere.centre = shape.positions[v];
+  for (std::size_t v = 0; v < spheres_.size(); ++v) spheres_[v].centre = shape.positions[v];
   for (const auto& triangle : shape.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = triangle[k];
@@ -38,24 +39,24 @@ void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
   pinned_.resize(regions_.size(), false);
   pinned_[slot] = true;
   Region& region = regions_[slot];
-  region.quadric = region.quadric.translated(region.sphere.centre - sphere.centre);
-  region.sphere = sphere;
+  region.quadric = region.quadric.translated(spheres_[slot].centre - sphere.centre);
+  spheres_[slot] = sphere;
   region.error = std::max(region.quadric({Eigen::Vector3d::Zero(), sphere.radius}), 0.0);
 }
 
 SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,
                                        std::uint32_t b) const noexcept {
-  const Sphere& sphere = regions_[pinned_[a] ? a : b].sphere;
-  const Sphere seen_from_a{sphere.centre - regions_[a].sphere.centre, sphere.radius};
+  const Sphere& sphere = spheres_[pinned_[a] ? a : b];
+  const Sphere seen_from_a{sphere.centre - spheres_[a].centre, sphere.radius};
   const double cost =
       pinned_[a] && pinned_[b] ? std::numeric_limits<double>::infinity() : std::max(quadric(seen_from_a), 0.0);
   return {{seen_from_a, cost, FitCase::Interior}};
 }
 
 SqemMetric::Fit SqemMetric::weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept {
-  const Eigen::Vector3d offset = regions_[b].sphere.centre - regions_[a].sphere.centre;
-  if (weight(a) > 0) return {{{Eigen::Vector3d::Zero(), regions_[a].sphere.radius}, 0, FitCase::AtRadius}};
-  if (weight(b) > 0) return {{{offset, regions_[b].sphere.radius}, 0, FitCase::AtRadius}};
+  const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
+  if (weight(a) > 0) return {{{Eigen::Vector3d::Zero(), spheres_[a].radius}, 0, FitCase::AtRadius}};
+  if (weight(b) > 0) return {{{offset, spheres_[b].radius}, 0, FitCase::AtRadius}};
   return {{{0.5 * offset, 0}, 0, FitCase::AtMidpoint}};
 }
 

@@ -35,7 +35,7 @@ class SqemMetric {
 
   /// The best sphere of the union, its centre relative to that of `a`; at infinite cost if both are pinned.
   [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept {
-    const Eigen::Vector3d offset = regions_[b].sphere.centre - regions_[a].sphere.centre;
+    const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
     SphericalQuadric quadric = regions_[b].quadric.translated(offset);
     quadric += regions_[a].quadric;
     if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
@@ -52,26 +52,26 @@ class SqemMetric {
   void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept {
     Region& region = regions_[kept];
     const Region& other = regions_[gone];
-    SphericalQuadric quadric = other.quadric.translated(other.sphere.centre - region.sphere.centre);
+    Sphere& sphere = spheres_[kept];
+    SphericalQuadric quadric = other.quadric.translated(spheres_[gone].centre - sphere.centre);
     quadric += region.quadric;
     region.quadric = quadric.translated(-from_kept.sphere.centre);
-    region.sphere = {region.sphere.centre + from_kept.sphere.centre, from_kept.sphere.radius};
+    sphere = {sphere.centre + from_kept.sphere.centre, from_kept.sphere.radius};
     region.error = from_kept.cost;
     extents_[kept] |= extents_[gone];
     if (!pinned_.empty() && pinned_[gone]) pinned_[kept] = true;
   }
 
-  [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return regions_[slot].sphere; }
+  [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return spheres_[slot]; }
   [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept {
-    return regions_[slot].sphere.centre;
+    return spheres_[slot].centre;
   }
 
  private:
-  /// What stands in a slot, as a fit reads it.
-  struct Region {
+  /// What stands in a slot beside its sphere: two lines of the cache.
+  struct alignas(64) Region {
     SphericalQuadric quadric;  ///< about the sphere's centre
     double error = 0;          ///< of the sphere
-    Sphere sphere;
   };
 
   [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
@@ -83,6 +83,7 @@ class SqemMetric {
   double pivot_;  // 0 with a regulariser, which leaves no centre undetermined
   bool by_increase_;
   std::vector<Region> regions_;   // by slot
+  std::vector<Sphere> spheres_;   // by slot; apart, as flips ask for centres alone
   std::vector<Extents> extents_;  // by slot; apart, as few fits ask for them
   std::vector<bool> pinned_;      // by slot; empty if none is
 };
