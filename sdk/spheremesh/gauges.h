@@ -70,6 +70,7 @@ struct FacetGauge {
   Eigen::Vector3d g = Eigen::Vector3d::Zero();   ///< gradient of the radius in that plane
   Eigen::Vector3d to_b = Eigen::Vector3d::Zero(), to_c = Eigen::Vector3d::Zero();  ///< dual: weights of b and c
   double lean_b = 0, lean_c = 0;  ///< how the weights move with the height above the plane
+  double rate_b = 0, rate_c = 0;  ///< the most that the weights move to a length
   double radius_a = 0;
   double growth_b = 0, growth_c = 0;  ///< of the radius towards b and c
   double cosine = 1;                  ///< sqrt(1 - |g|^2)
@@ -98,6 +99,8 @@ struct FacetGauge {
     cosine = std::sqrt(1 - g2);
     lean_b = to_b.dot(g) / cosine;
     lean_c = to_c.dot(g) / cosine;
+    rate_b = to_b.norm() + std::abs(lean_b);
+    rate_c = to_c.norm() + std::abs(lean_c);
   }
 
   /// Signed distance if the touched sphere lies within the triangle, weights of b and c; otherwise false.

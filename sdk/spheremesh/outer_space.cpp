@@ -17,7 +17,17 @@ constexpr double kHalfDiagonal = 0.8660254037844387;
 
 }  // namespace
 
-OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) {
+OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) : wanted_cells_(cells), seen_(gauge) {
+  look(gauge);
+}
+
+void OuterSpace::follow(const UnionGauge& gauge) {
+  if (gauge == seen_) return;
+  seen_ = gauge;
+  look(gauge);
+}
+
+void OuterSpace::look(const UnionGauge& gauge) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vector3d lower = Vector3d::Constant(kInfinity);
   Vector3d upper = -lower;
@@ -25,7 +35,7 @@ OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) {
     lower = lower.cwiseMin(s.centre - Vector3d::Constant(s.radius));
     upper = upper.cwiseMax(s.centre + Vector3d::Constant(s.radius));
   }
-  size_ = std::max((upper - lower).maxCoeff() / cells, 1e-9);
+  size_ = std::max((upper - lower).maxCoeff() / wanted_cells_, 1e-9);
   constexpr int kMargin = 3;
   lower_ = lower - Vector3d::Constant(kMargin * size_);
   std::size_t count = 1;
@@ -38,13 +48,8 @@ OuterSpace::OuterSpace(const UnionGauge& gauge, int cells) {
 
   const NearbyPieces all = gauge.all();
   tbb::parallel_for(0, (extent_[2] + kBlock - 1) / kBlock, [&](int z) {
-    NearbyPieces near;
     for (int y = 0; y < extent_[1]; y += kBlock)
-      for (int x = 0; x < extent_[0]; x += kBlock) {
-        const Vector3d middle = lower_ + size_ * Vector3d(x + kBlock / 2, y + kBlock / 2, z * kBlock + kBlock / 2);
-        gauge.near(all, middle, kHalfDiagonal * kBlock * size_, kThick * size_, near);
-        if (!near.entries.empty()) take(gauge, near, {x, y, z * kBlock}, kBlock);
-      }
+      for (int x = 0; x < extent_[0]; x += kBlock) take(gauge, all, {x, y, z * kBlock}, kBlock);
   });
   flood();
 }
@@ -53,9 +58,10 @@ void OuterSpace::take(const UnionGauge& gauge, const NearbyPieces& pieces, const
   for (std::size_t k = 0; k < 3; ++k)
     if (at[k] >= extent_[k]) return;
   const Vector3d middle = lower_ + size_ * (Vector3d(at[0], at[1], at[2]) + Vector3d::Constant(0.5 * width));
-  const double distance = gauge.distance(pieces, middle) - kThick * size_;
-  const double reach = kHalfDiagonal * width * size_;
-  if (width == 1 ? distance >= 0 : distance > reach) return;
+  const double thick = kThick * size_;
+  const double reach = kHalfDiagonal * (width - 1) * size_;  // to the middle of the farthest cell
+  const double distance = gauge.distance(pieces, middle, thick + reach, thick - reach) - thick;
+  if (distance >= reach) return;
   if (width == 1 || distance < -reach) {
     std::array<int, 3> end{};
     for (std::size_t k = 0; k < 3; ++k) end[k] = std::min(extent_[k], at[k] + width);
@@ -64,21 +70,18 @@ void OuterSpace::take(const UnionGauge& gauge, const NearbyPieces& pieces, const
         std::fill_n(cells_.begin() + static_cast<std::ptrdiff_t>(index({at[0], y, z})), end[0] - at[0], Cell::Taken);
     return;
   }
+  NearbyPieces near;
+  if (width >= kBlock / 2) gauge.near(pieces, middle, reach, thick, near);
   const int half = width / 2;
   for (int k = 0; k < 8; ++k)
-    take(gauge, pieces, {at[0] + (k & 1) * half, at[1] + (k >> 1 & 1) * half, at[2] + (k >> 2) * half}, half);
+    take(gauge, width >= kBlock / 2 ? near : pieces,
+         {at[0] + (k & 1) * half, at[1] + (k >> 1 & 1) * half, at[2] + (k >> 2) * half}, half);
 }
 
 void OuterSpace::flood() {
   // The margin is free and ends in a layer that is not entered, so that no step leaves the grid.
   const auto row = static_cast<std::size_t>(extent_[0]);
   const std::size_t layer = row * static_cast<std::size_t>(extent_[1]);
-  const std::array<std::ptrdiff_t, 6> steps{1,
-                                            -1,
-                                            static_cast<std::ptrdiff_t>(row),
-                                            -static_cast<std::ptrdiff_t>(row),
-                                            static_cast<std::ptrdiff_t>(layer),
-                                            -static_cast<std::ptrdiff_t>(layer)};
   for (int z = 0; z < extent_[2]; ++z)
     for (int y = 0; y < extent_[1]; ++y) {
       const bool face = z == 0 || y == 0 || z + 1 == extent_[2] || y + 1 == extent_[1];
@@ -86,17 +89,24 @@ void OuterSpace::flood() {
       if (face) std::fill_n(begin, row, Cell::Outer);
       begin[0] = begin[extent_[0] - 1] = Cell::Outer;
     }
-  std::vector<std::uint32_t> open{static_cast<std::uint32_t>(index({1, 1, 1}))};
-  cells_[open[0]] = Cell::Outer;
+  // By stretches of rows: each is filled at once, and its neighbours looked through for others.
+  std::vector<std::array<std::size_t, 2>> open;
+  const auto fill = [&](std::size_t at) {
+    std::size_t first = at;
+    std::size_t end = at + 1;
+    while (cells_[first - 1] == Cell::Free) --first;
+    while (cells_[end] == Cell::Free) ++end;
+    std::fill(cells_.begin() + static_cast<std::ptrdiff_t>(first), cells_.begin() + static_cast<std::ptrdiff_t>(end),
+              Cell::Outer);
+    open.push_back({first, end});
+  };
+  fill(index({1, 1, 1}));
   while (!open.empty()) {
-    const std::ptrdiff_t at = open.back();
+    const auto [first, end] = open.back();
     open.pop_back();
-    for (const std::ptrdiff_t step : steps) {
-      Cell& cell = cells_[static_cast<std::size_t>(at + step)];
-      if (cell != Cell::Free) continue;
-      cell = Cell::Outer;
-      open.push_back(static_cast<std::uint32_t>(at + step));
-    }
+    for (std::size_t at = first; at < end; ++at)
+      for (const std::size_t neighbour : {at - row, at + row, at - layer, at + layer})
+        if (cells_[neighbour] == Cell::Free) fill(neighbour);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,23 +34,23 @@ struct PointBall {
 /// nearest to one of them or come nearer than `within`. Groups of blocks share a first choice of pieces.
 template <class Work>
 void for_each_block(const UnionGauge& gauge, std::span<const Eigen::Vector3d> points, double within, Work&& work) {
-  constexpr std::size_t kBlock = 32;
-  constexpr std::size_t kGroup = 16 * kBlock;
+  // Each choice is made among the pieces of the one before.
+  constexpr std::array<std::size_t, 3> kSizes{512, 64, 8};
   const NearbyPieces all = gauge.all();
-  const std::size_t groups = (points.size() + kGroup - 1) / kGroup;
+  const auto choose = [&](const NearbyPieces& among, std::size_t begin, std::size_t end, NearbyPieces& chosen) {
+    const PointBall ball = PointBall::around(points.subspan(begin, end - begin));
+    gauge.near(among, ball.centre, ball.radius, within, chosen);
+  };
+  const std::size_t groups = (points.size() + kSizes[0] - 1) / kSizes[0];
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups, 1), [&](const tbb::blocked_range<std::size_t>& range) {
-    NearbyPieces of_group;
-    NearbyPieces of_block;
-    for (std::size_t g = range.begin(); g < range.end(); ++g) {
-      const std::size_t last = std::min(points.size(), (g + 1) * kGroup);
-      const PointBall group = PointBall::around(points.subspan(g * kGroup, last - g * kGroup));
-      gauge.near(all, group.centre, group.radius, within, of_group);
-      for (std::size_t begin = g * kGroup; begin < last; begin += kBlock) {
-        const std::size_t end = std::min(last, begin + kBlock);
-        const PointBall block = PointBall::around(points.subspan(begin, end - begin));
-        gauge.near(of_group, block.centre, block.radius, within, of_block);
-        work(of_block, begin, end);
-      }
+    std::array<NearbyPieces, 3> pieces;
+    for (std::size_t i = range.begin() * kSizes[0]; i < std::min(points.size(), range.end() * kSizes[0]);
+         i += kSizes[2]) {
+      if (i % kSizes[0] == 0) choose(all, i, std::min(points.size(), i + kSizes[0]), pieces[0]);
+      if (i % kSizes[1] == 0) choose(pieces[0], i, std::min(points.size(), i + kSizes[1]), pieces[1]);
+      const std::size_t end = std::min(points.size(), i + kSizes[2]);
+      choose(pieces[1], i, end, pieces[2]);
+      work(pieces[2], i, end);
     }
   });
 }

@@ -86,7 +86,8 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   if (options.mode == FitMode::Inner) fit.loss.outside = kForbidden;
   if (options.mode == FitMode::Outer) fit.loss.missing = kForbidden;
   // Far is what is several times the mean distance, which falls with the number of spheres.
-  const FitError before = fit.error(shape);
+  const UnionGauge start_gauge(shape);
+  const FitError before = fit.error(start_gauge, OuterSpace(start_gauge));
   fit.loss.far = std::clamp(2.5 * (before.forward + before.back), 2e-3, 0.05);
   search(fit, shape, {.rounds = options.rounds, .steps = options.steps}, fixed, task);
   if (task.stopped()) return cancelled();

@@ -266,32 +266,26 @@ std::vector<UnionFit::Row> UnionFit::rows(const UnionGauge& gauge, const OuterSp
   return forward;
 }
 
-FitError UnionFit::error(const SphereMesh& shape) const {
-  const UnionGauge gauge(shape);
-  const OuterSpace outer(gauge);
+FitError UnionFit::error(const UnionGauge& gauge, const OuterSpace& outer) const {
   FitError error;
   static_cast<void>(rows(gauge, outer, error));
   return error;
 }
 
-FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<bool>& fixed, const Task& task) const {
+void UnionFit::improve(SphereMesh& shape, OuterSpace& outer, int iterations, const std::vector<bool>& fixed,
+                       const Task& task) const {
   UnionGauge gauge(shape);
   NormalEquations equations(gauge);
-  std::optional<OuterSpace> outer(std::in_place, gauge);
+  outer.follow(gauge);
   FitError error;
-  std::vector<Row> at = rows(gauge, *outer, error);
-  equations.assemble(at);
+  equations.assemble(rows(gauge, outer, error));
   double damping = 0.02;
   int refused = 0;
-  int outer_age = 0;
   for (int k = 0; k < iterations && !task.stopped(); ++k) {
-    if (outer_age >= kOuterLasts) {
-      outer.emplace(gauge);
-      outer_age = 0;
-      at = rows(gauge, *outer, error);
-      equations.assemble(at);
+    if (k > 0 && k % kOuterLasts == 0) {
+      outer.follow(gauge);
+      equations.assemble(rows(gauge, outer, error));
     }
-    ++outer_age;
     const std::optional<VectorXd> step = equations.solve(damping, fixed);
     if (!step) break;
     std::vector<Sphere> moved = gauge.spheres();
@@ -305,13 +299,12 @@ FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<
     UnionGauge tried = gauge;
     tried.move_to(moved);
     FitError error_there;
-    std::vector<Row> there = rows(tried, *outer, error_there);
+    const std::vector<Row> there = rows(tried, outer, error_there);
     if (error_there.loss < error.loss) {
       const double gain = 1 - error_there.loss / error.loss;
       gauge = std::move(tried);
-      at = std::move(there);
       error = error_there;
-      equations.assemble(at);
+      equations.assemble(there);
       damping = std::max(1e-3, 0.4 * damping);
       refused = 0;
       constexpr double kNoGain = 5e-4;
@@ -323,7 +316,6 @@ FitError UnionFit::improve(SphereMesh& shape, int iterations, const std::vector<
     }
   }
   shape.spheres = gauge.spheres();
-  return error;
 }
 
 }  // namespace armature::sdk

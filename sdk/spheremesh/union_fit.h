@@ -60,10 +60,11 @@ class UnionFit {
   /// their distances counts. Samples miss what is thin. Returns the largest distance.
   double watch_far_vertices(const UnionGauge& gauge);
 
-  [[nodiscard]] FitError error(const SphereMesh& shape) const;
+  [[nodiscard]] FitError error(const UnionGauge& gauge, const OuterSpace& outer) const;
   /// Gauss-Newton with Levenberg and Marquardt's damping on all centres and radii but the fixed ones, each at least 0.
-  /// Never makes the loss larger. Returns early if it no longer falls, or the task is stopped.
-  FitError improve(SphereMesh& shape, int iterations, const std::vector<bool>& fixed, const Task& task) const;
+  /// Never makes the loss larger. Returns early if it no longer falls, or the task is stopped. The outer space follows.
+  void improve(SphereMesh& shape, OuterSpace& outer, int iterations, const std::vector<bool>& fixed,
+               const Task& task) const;
 
   /// The share of the loss that point k of the input has at this distance from the union.
   [[nodiscard]] double forward_cost(std::size_t k, double distance) const noexcept {

@@ -47,6 +47,12 @@ void UnionGauge::move_to(std::span<const Sphere> spheres) {
   }
 }
 
+bool UnionGauge::operator==(const UnionGauge& other) const noexcept {
+  const auto same = [](const Sphere& a, const Sphere& b) { return a.centre == b.centre && a.radius == b.radius; };
+  return edge_corners_ == other.edge_corners_ && facet_corners_ == other.facet_corners_ &&
+         std::equal(spheres_.begin(), spheres_.end(), other.spheres_.begin(), other.spheres_.end(), same);
+}
+
 NearbyPieces UnionGauge::all() const {
   NearbyPieces pieces;
   for (std::uint32_t k = 0; k < edges_.size() + facets_.size(); ++k)
@@ -78,8 +84,8 @@ void UnionGauge::near(const NearbyPieces& among, const Vector3d& centre, double 
       if (facet.distance(centre, d, b, c)) {
         least = std::min(least, d);
       } else if (d <= limit) {
-        const double slack_b = radius * (facet.to_b.norm() + std::abs(facet.lean_b));
-        const double slack_c = radius * (facet.to_c.norm() + std::abs(facet.lean_c));
+        const double slack_b = radius * facet.rate_b;
+        const double slack_c = radius * facet.rate_c;
         if (!(b >= -slack_b && c >= -slack_c && b + c <= 1 + slack_b + slack_c)) continue;
       }
     }
@@ -88,7 +94,7 @@ void UnionGauge::near(const NearbyPieces& among, const Vector3d& centre, double 
   const double limit = std::min(least + 2 * radius, within + radius);
   std::erase_if(out.entries, [&](const NearbyPieces::Entry& e) { return e.distance > limit; });
   std::sort(out.entries.begin(), out.entries.end(), [](const auto& x, const auto& y) {
-    return std::pair(x.distance, x.piece) < std::pair(y.distance, y.piece);
+    return x.distance < y.distance || (x.distance == y.distance && x.piece < y.piece);
   });
 }
 
@@ -114,17 +120,12 @@ UnionTouch UnionGauge::touch(const NearbyPieces& pieces, const Vector3d& point) 
   return {least, nearest, {ends[0], ends[1], ends[1]}, {1 - t, t, 0}};
 }
 
-double UnionGauge::distance(const NearbyPieces& pieces, const Vector3d& point) const noexcept {
-  return least_distance(pieces, point, std::numeric_limits<double>::infinity(),
-                        -std::numeric_limits<double>::infinity());
-}
-
 bool UnionGauge::covers(const NearbyPieces& pieces, const Vector3d& point, double depth) const noexcept {
-  return least_distance(pieces, point, -depth, -depth) < -depth;
+  return distance(pieces, point, -depth, -depth) < -depth;
 }
 
-double UnionGauge::least_distance(const NearbyPieces& pieces, const Vector3d& point, double below,
-                                  double enough) const noexcept {
+double UnionGauge::distance(const NearbyPieces& pieces, const Vector3d& point, double below,
+                            double enough) const noexcept {
   const double offset = (point - pieces.centre).norm();
   double least = below;
   for (const auto& [bound, piece] : pieces.entries) {

@@ -44,6 +44,9 @@ class UnionGauge {
   /// The same connectivity with other spheres.
   void move_to(std::span<const Sphere> spheres);
 
+  /// Whether both are of the same spheres and the same connectivity.
+  [[nodiscard]] bool operator==(const UnionGauge& other) const noexcept;
+
   [[nodiscard]] const std::vector<Sphere>& spheres() const noexcept { return spheres_; }
   [[nodiscard]] const std::vector<EdgeGauge>& edges() const noexcept { return edges_; }
   [[nodiscard]] const std::vector<FacetGauge>& facets() const noexcept { return facets_; }
@@ -68,8 +71,9 @@ class UnionGauge {
 
   /// The nearest of these pieces.
   [[nodiscard]] UnionTouch touch(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
-  /// The least signed distance to these pieces.
-  [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
+  /// The least signed distance to these pieces, but no more than `below`; if it is less than `enough`, any that is.
+  [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point, double below,
+                                double enough) const noexcept;
   /// Whether the point lies deeper than `depth` within one of these pieces.
   [[nodiscard]] bool covers(const NearbyPieces& pieces, const Eigen::Vector3d& point, double depth) const noexcept;
 
@@ -83,10 +87,6 @@ class UnionGauge {
     distance = edges_[piece].distance(point, b);
     return true;
   }
-  /// The least signed distance if it is less than `below`; any that is less than `enough`.
-  [[nodiscard]] double least_distance(const NearbyPieces& pieces, const Eigen::Vector3d& point, double below,
-                                      double enough) const noexcept;
-
   std::vector<Sphere> spheres_;
   std::vector<EdgeGauge> edges_;
   std::vector<std::array<std::uint32_t, 2>> edge_corners_;

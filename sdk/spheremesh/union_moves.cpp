@@ -63,6 +63,10 @@ UnionMoves::UnionMoves(const UnionFit& fit, const SphereMesh& shape, const Outer
   }
 }
 
+double UnionMoves::cost(std::uint32_t sample, double distance) const {
+  return fit_.forward_cost(sample, distance) * (sample < fit_.plain_count() ? kThin : 1);
+}
+
 double UnionMoves::forward_cost(const SphereMesh& shape, std::span<const std::uint32_t> samples) const {
   const UnionGauge gauge(shape);
   std::vector<Vector3d> points;
@@ -70,32 +74,73 @@ double UnionMoves::forward_cost(const SphereMesh& shape, std::span<const std::ui
   for (const std::uint32_t k : samples) points.push_back(fit_.samples().points[k]);
   std::vector<UnionTouch> touches(points.size());
   touch_all(gauge, points, touches);
-  double cost = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    cost += fit_.forward_cost(samples[i], touches[i].distance) * (samples[i] < fit_.plain_count() ? kThin : 1);
-  return cost;
+  double sum = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) sum += cost(samples[i], touches[i].distance);
+  return sum;
 }
 
 double UnionMoves::back_cost(const SphereMesh& shape, const std::vector<std::uint32_t>& corners) const {
   return fit_.back_cost(UnionGauge(shape), outer_, pieces_at(corners), kThin);
 }
 
-double UnionMoves::at_stake(const Edit& edit) const {
+std::vector<std::uint32_t> UnionMoves::at_stake(const Edit& edit) const {
+  std::vector<std::uint32_t> pieces;
   const auto facet = [&](SphereId a, SphereId b, SphereId c) {
     SphereTriple triangle{a, b, c};
     std::sort(triangle.begin(), triangle.end());
     const auto found = std::lower_bound(shape_.triangles.begin(), shape_.triangles.end(), triangle);
-    return back_costs_[gauge_.edge_count() + static_cast<std::size_t>(found - shape_.triangles.begin())];
+    pieces.push_back(
+        static_cast<std::uint32_t>(gauge_.edge_count() + static_cast<std::size_t>(found - shape_.triangles.begin())));
   };
-  const auto edge = [&](SphereId a, SphereId b) { return back_costs_[gauge_.edge_between(index_of(a), index_of(b))]; };
+  const auto edge = [&](SphereId a, SphereId b) {
+    pieces.push_back(static_cast<std::uint32_t>(gauge_.edge_between(index_of(a), index_of(b))));
+  };
   const auto& s = edit.spheres;
   switch (edit.kind) {
-    case Edit::Kind::DropTriangle: return facet(s[0], s[1], s[2]);
-    case Edit::Kind::DropEdge: return edge(s[0], s[1]);
-    case Edit::Kind::AddTriangle: return edge(s[0], s[1]) + edge(s[1], s[2]) + edge(s[0], s[2]);
-    case Edit::Kind::Flip: return facet(s[0], s[1], s[2]) + facet(s[0], s[1], s[3]) + edge(s[0], s[1]);
+    case Edit::Kind::DropTriangle: facet(s[0], s[1], s[2]); break;
+    case Edit::Kind::DropEdge: edge(s[0], s[1]); break;
+    case Edit::Kind::AddTriangle: edge(s[0], s[1]), edge(s[1], s[2]), edge(s[0], s[2]); break;
+    case Edit::Kind::Flip: facet(s[0], s[1], s[2]), facet(s[0], s[1], s[3]), edge(s[0], s[1]); break;
   }
-  return 0;
+  return pieces;
+}
+
+SphereMesh UnionMoves::added(const Edit& edit) const {
+  SphereMesh added;
+  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+    added.triangles.push_back({SphereId(a), SphereId(b), SphereId(c)});
+  };
+  if (edit.kind == Edit::Kind::AddTriangle) add(0, 1, 2);
+  if (edit.kind == Edit::Kind::Flip) add(0, 2, 3), add(1, 2, 3);
+  if (!added.triangles.empty())
+    for (const SphereId id : edit.spheres) added.spheres.push_back(shape_.sphere(id));
+  return added;
+}
+
+double UnionMoves::forward_gain(const Edit& edit, const std::vector<std::uint32_t>& stake,
+                                const SphereMesh& after) const {
+  const UnionGauge gauge(added(edit));
+  const NearbyPieces pieces = gauge.all();
+  std::vector<std::uint32_t> samples;
+  for (const SphereId id : edit.spheres)
+    samples.insert(samples.end(), touched_by_[id.index()].begin(), touched_by_[id.index()].end());
+  std::sort(samples.begin(), samples.end());
+  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+
+  // Where the nearest piece stays, only what is added can come nearer.
+  double gain = 0;
+  std::vector<std::uint32_t> elsewhere;
+  for (const std::uint32_t k : samples) {
+    const UnionTouch& touch = touches_[k];
+    if (std::find(stake.begin(), stake.end(), touch.piece) != stake.end()) {
+      elsewhere.push_back(k);
+    } else if (!pieces.entries.empty()) {
+      const double there = gauge.touch(pieces, fit_.samples().points[k]).distance;
+      if (there < touch.distance) gain += cost(k, touch.distance) - cost(k, there);
+    }
+  }
+  for (const std::uint32_t k : elsewhere) gain += cost(k, touches_[k].distance);
+  return gain - forward_cost(after, elsewhere);
 }
 
 SphereMesh UnionMoves::applied(const SphereMesh& shape, const Edit& edit) {
@@ -143,14 +188,12 @@ double UnionMoves::gain(const Edit& edit) const {
   std::vector<std::uint32_t> corners;
   for (const SphereId id : within.spheres) corners.push_back(index_of(id));
 
-  std::vector<std::uint32_t> samples;
-  for (const SphereId id : edit.spheres)
-    samples.insert(samples.end(), touched_by_[id.index()].begin(), touched_by_[id.index()].end());
-  std::sort(samples.begin(), samples.end());
-  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
   const SphereMesh after = applied(part.shape, within);
-  const double forward = forward_cost(part.shape, samples) - forward_cost(after, samples);
-  if (forward + at_stake(edit) <= 0) return 0;
+  const std::vector<std::uint32_t> stake = at_stake(edit);
+  const double forward = forward_gain(edit, stake, after);
+  double saves = 0;
+  for (const std::uint32_t piece : stake) saves += back_costs_[piece];
+  if (forward + saves <= 0) return 0;
 
   if (edit.kind == Edit::Kind::DropTriangle || edit.kind == Edit::Kind::DropEdge) {
     // What walls off a cavity stays, or all of the cavity would become outside.
@@ -392,8 +435,7 @@ void UnionMoves::find_collapse(Collapse& collapse) const {
   std::set_union(touched_by_[a.index()].begin(), touched_by_[a.index()].end(), touched_by_[b.index()].begin(),
                  touched_by_[b.index()].end(), std::back_inserter(samples));
   double before = 0;
-  for (const std::uint32_t k : samples)
-    before += fit_.forward_cost(k, touches_[k].distance) * (k < fit_.plain_count() ? kThin : 1);
+  for (const std::uint32_t k : samples) before += cost(k, touches_[k].distance);
 
   const Sphere& sa = shape_.sphere(a);
   const Sphere& sb = shape_.sphere(b);

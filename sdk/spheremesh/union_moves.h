@@ -38,10 +38,17 @@ class UnionMoves {
   [[nodiscard]] std::vector<Edit> edits() const;
   [[nodiscard]] double gain(const Edit& edit) const;
   [[nodiscard]] bool fixed(SphereId id) const { return !fixed_.empty() && fixed_[id.index()]; }
+  /// What a sample that touched_by_ names stands for, at this distance.
+  [[nodiscard]] double cost(std::uint32_t sample, double distance) const;
   [[nodiscard]] double forward_cost(const SphereMesh& shape, std::span<const std::uint32_t> samples) const;
   [[nodiscard]] double back_cost(const SphereMesh& shape, const std::vector<std::uint32_t>& corners) const;
-  /// What the simplices that an edit takes away cost as boundary: it saves no more than that.
-  [[nodiscard]] double at_stake(const Edit& edit) const;
+  /// The pieces that an edit takes away or hides: it saves no more than they cost as boundary.
+  [[nodiscard]] std::vector<std::uint32_t> at_stake(const Edit& edit) const;
+  /// What an edit adds: triangles of its spheres, or nothing.
+  [[nodiscard]] SphereMesh added(const Edit& edit) const;
+  /// What an edit gains seen from the input; `after` is the part around it as it leaves it.
+  [[nodiscard]] double forward_gain(const Edit& edit, const std::vector<std::uint32_t>& stake,
+                                    const SphereMesh& after) const;
   void find_collapse(Collapse& collapse) const;
   void add_back_cost(Collapse& collapse) const;
   [[nodiscard]] double inscribed_radius(std::size_t sample) const;

@@ -10,6 +10,7 @@
 #include <armature/sdk/spheremesh/containment.h>
 #include <armature/sdk/spheremesh/refine.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "tests/sdk/mesh/surfaces.h"
 
@@ -116,6 +117,19 @@ TEST(Refine, DoesTheSameOnEveryRun) {
   const auto again = refine(mesh, start, kQuick);
   ASSERT_TRUE(once && again);
   expect_same(*once, *again);
+}
+
+TEST(Refine, DoesTheSameOnAnyNumberOfThreads) {
+  const Mesh mesh = torus(1, 0.3);
+  const SphereMesh start = level_of(mesh, 12);
+  const auto refined = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return refine(mesh, start, kQuick);
+  };
+  const auto alone = refined(1);
+  const auto together = refined(4);
+  ASSERT_TRUE(alone && together);
+  expect_same(*alone, *together);
 }
 
 TEST(Refine, LeavesPinnedSpheresAlone) {
