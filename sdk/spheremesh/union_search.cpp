@@ -49,6 +49,7 @@ void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const 
     return;
   }
   fit.improve(shape, outer, 2 * effort.steps, fixed, task);
+  constexpr double kLittle = 0.01;  // a round that gains less is the last one
   const std::size_t spheres = shape.spheres.size();
   std::size_t count = std::max<std::size_t>(1, spheres / 10);
   for (int round = 0; round < effort.rounds && count > 0 && !task.stopped(); ++round) {
@@ -65,6 +66,7 @@ void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const 
     if (tried.spheres.size() == spheres && after < before * (1 - 5e-4)) {
       shape = std::move(tried);
       outer = std::move(outer_there);
+      if (after > before * (1 - kLittle)) break;
     } else {
       count = 2 * count / 3;
     }

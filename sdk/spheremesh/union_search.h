@@ -11,13 +11,13 @@ namespace armature::sdk {
 
 /// How long to look for a better connectivity.
 struct SearchEffort {
-  int rounds = 3;
-  int steps = 8;  ///< of Gauss-Newton in a round
+  int rounds = 3;  ///< at most
+  int steps = 8;   ///< of Gauss-Newton in a round
 };
 
 /// Fits a sphere-mesh and changes where its spheres are and what joins them, with as many spheres: every round adds
 /// some where the union is farthest from the input, joins others where that costs least, repairs the connectivity, and
-/// is kept only if the loss has fallen. Fixed spheres keep their places.
+/// is kept only if the loss has fallen; one that gains less than 1 % is the last. Fixed spheres keep their places.
 void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const std::vector<bool>& fixed,
             const Task& task);
 
