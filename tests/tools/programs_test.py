@@ -90,6 +90,22 @@ class Programs(unittest.TestCase):
             self.assert_refused(run("armature", "replay", "synth:stand?size=160x120", "--model", path), path)
         self.assert_refused(run("armature", "replay", "synth:stand", "--model", self.here / "none"), "none")
 
+    def test_a_model_is_measured_on_scenes_beside_just_the_paper(self):
+        model = SHARE / "person.forest"
+        result = run("armature", "forest", "evaluate", model, "--quick", "--category", "standing", "--json",
+                     "--plots", self.here / "plots")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rows = [json.loads(line) for line in result.stdout.splitlines()]
+        self.assertEqual([row["system"] for row in rows], 2 * ["whole", "mask", "paper"])
+        for whole, scene in zip(rows[:3], rows[3:]):
+            self.assertEqual((whole["data"], whole["frames"]), ("scenes", 60))
+            self.assertEqual(list(whole["categories"]), ["standing"])
+            self.assertEqual((scene["data"], scene["number"]), ("scene", 1))
+        self.assertEqual(sorted(path.name for path in (self.here / "plots").iterdir()),
+                         ["joint_errors.svg", "map_of_categories.svg", "map_over_distance.svg"])
+        self.assert_refused(run("armature", "forest", "evaluate", model, "--category", "flying"), "flying", "standing")
+        self.assertEqual(run("armature", "forest", "evaluate", model, "--size", "1x1").returncode, 2)
+
     def test_what_print_config_writes_is_a_configuration(self):
         printed = run("armatured", "--print-config")
         self.assertEqual(printed.returncode, 0)

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "firmware_host/error.h"
+#include "tools/evaluation/scene_evaluation.h"
 #include "tracker/forest/trainer.h"
 #include "tracker/synth/random.h"
 
@@ -11,10 +13,13 @@ namespace armature::tools {
 
 struct EvaluationOptions {
   std::string model;
-  int image_count = 500;
-  int stride = 0;
-  std::string utd_folder;  ///< empty: no real people
+  SceneOptions scenes;
+  bool quick = false;                   ///< the first scene of each category alone
+  std::vector<std::string> categories;  ///< empty: all of them
+  bool real_only = false;               ///< no scenes
+  std::string utd_folder;               ///< empty: no real people
   bool all_actions = false;
+  std::string plots;  ///< a folder for pictures; empty: none
 };
 
 /// The seed of the i-th image of a training run: never one that is held out.
@@ -25,7 +30,8 @@ struct EvaluationOptions {
 /// A synthetic person of the domain that forests are trained on.
 [[nodiscard]] TrainingImage synthetic_image(std::uint64_t seed);
 
-/// Prints how well a model does: a table for people, or one JSON object for each kind of data.
+/// Prints how well a model does on the frozen scenes and on real people, beside just the paper: tables for people, or
+/// one JSON object for each kind of data and system.
 [[nodiscard]] Expected<void> evaluate_forest(const EvaluationOptions& options, bool json);
 
 }  // namespace armature::tools

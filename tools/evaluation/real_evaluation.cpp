@@ -60,21 +60,55 @@ RestPose rest_of(const std::vector<Skeleton>& frames) {
   return rest;
 }
 
+/// The motion angles of two skeletons over a sequence, compared.
+struct AngleComparison {
+  PerMotion<double> our_span_rad{}, sdk_span_rad{}, correlation{};
+};
+
+AngleComparison compare_angles(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk) {
+  const auto span_of = [](const std::vector<double>& angles) {
+    const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+    return *high - *low;
+  };
+  const RestPose our_rest = rest_of(ours), sdk_rest = rest_of(sdk);
+  PerMotion<std::vector<double>> our_angles, sdk_angles;
+  for (std::size_t t = 0; t < ours.size(); ++t) {
+    const MotionAngles a = motion_angles(ours[t], our_rest), b = motion_angles(sdk[t], sdk_rest);
+    for (std::size_t m = 0; m < kMotionCount; ++m) {
+      our_angles[m].push_back(a.angle_rad[m]);
+      sdk_angles[m].push_back(b.angle_rad[m]);
+    }
+  }
+  AngleComparison out;
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    out.our_span_rad[m] = span_of(our_angles[m]);
+    out.sdk_span_rad[m] = span_of(sdk_angles[m]);
+    out.correlation[m] = correlation(our_angles[m], sdk_angles[m]);
+  }
+  return out;
+}
+
 /// Gathers agreement over sequences.
 class Agreement {
  public:
-  void add(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk) {
+  /// Returns the median deviation in this sequence.
+  double add(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk, const AngleComparison& angles) {
+    std::vector<double> here;
     for (std::size_t j = 0; j < kJoints; ++j) {
       Eigen::Vector3f offset = Eigen::Vector3f::Zero();
       for (std::size_t t = 0; t < ours.size(); ++t) offset += difference(ours[t], sdk[t], j);
       offset /= static_cast<float>(ours.size());
       for (std::size_t t = 0; t < ours.size(); ++t) {
         const Eigen::Vector3f d = difference(ours[t], sdk[t], j);
-        deviations_m_[j].push_back((d - offset).norm());
+        here.push_back(static_cast<double>((d - offset).norm()));
+        deviations_m_[j].push_back(here.back());
         differences_[j].push_back(d);
       }
     }
-    add_motions(ours, sdk);
+    for (std::size_t m = 0; m < kMotionCount; ++m) {
+      if (angles.sdk_span_rad[m] > kMinSpan_rad) correlations_[m].push_back(angles.correlation[m]);
+    }
+    return percentile(here, 50);
   }
 
   [[nodiscard]] RealAgreement result() {
@@ -97,31 +131,17 @@ class Agreement {
     out.all = {percentile(all, 50), percentile(all, 90)};
     out.knees = {percentile(knees, 50), percentile(knees, 90)};
     out.within_15_cm = total == 0 ? 0 : static_cast<double>(near) / static_cast<double>(total);
-    for (std::size_t m = 0; m < kMotionCount; ++m) out.correlation[m] = mean(correlations_[m]);
+    for (std::size_t m = 0; m < kMotionCount; ++m) {
+      out.correlation[m] = {.mean = mean(correlations_[m]),
+                            .median = percentile(correlations_[m], 50),
+                            .sequences = static_cast<int>(correlations_[m].size())};
+    }
     return out;
   }
 
  private:
   static Eigen::Vector3f difference(const Skeleton& ours, const Skeleton& sdk, std::size_t j) {
     return ours[kNavigationJoints[j]].position - sdk[kNavigationJoints[j]].position;
-  }
-
-  void add_motions(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk) {
-    const RestPose our_rest = rest_of(ours);
-    const RestPose sdk_rest = rest_of(sdk);
-    PerMotion<std::vector<double>> our_angles, sdk_angles;
-    for (std::size_t t = 0; t < ours.size(); ++t) {
-      const MotionAngles a = motion_angles(ours[t], our_rest);
-      const MotionAngles b = motion_angles(sdk[t], sdk_rest);
-      for (std::size_t m = 0; m < kMotionCount; ++m) {
-        our_angles[m].push_back(a.angle_rad[m]);
-        sdk_angles[m].push_back(b.angle_rad[m]);
-      }
-    }
-    for (std::size_t m = 0; m < kMotionCount; ++m) {
-      const auto [low, high] = std::minmax_element(sdk_angles[m].begin(), sdk_angles[m].end());
-      if (*high - *low > kMinSpan_rad) correlations_[m].push_back(correlation(our_angles[m], sdk_angles[m]));
-    }
   }
 
   std::array<std::vector<double>, kJoints> deviations_m_;
@@ -131,8 +151,8 @@ class Agreement {
 
 }  // namespace
 
-Expected<RealEvaluation> evaluate_real(SkeletonTracker& tracker, const std::filesystem::path& folder, bool all_actions,
-                                       const std::function<void(double)>& progress) {
+Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::filesystem::path& folder,
+                                       bool all_actions, const std::function<void(double)>& progress) {
   const auto names = list_utd_sequences(folder);
   if (!names) return tl::unexpected(names.error());
   RealEvaluation result;
@@ -157,6 +177,7 @@ Expected<RealEvaluation> evaluate_real(SkeletonTracker& tracker, const std::file
       ours.push_back(tracker.track(
           {.depth_mm = depth, .intrinsics = sequence->intrinsics, .sequence = t, .sensor = {}, .host = {}}, mask));
       frame_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+      ours.back().user_position = ours.back()[JointId::Torso].position;
       sdk.push_back(from_sdk(sequence->joints[t]));
       bool whole = true;
       for (const JointId id : kNavigationJoints) {
@@ -165,9 +186,17 @@ Expected<RealEvaluation> evaluate_real(SkeletonTracker& tracker, const std::file
       }
       tracked += whole ? 1 : 0;
     }
-    as_is.add(ours, sdk);
-    late.add(ours, delayed(sdk));
-    ++result.sequences;
+    const std::vector<Skeleton> sdk_later = delayed(sdk);
+    const AngleComparison angles = compare_angles(ours, sdk), angles_later = compare_angles(ours, sdk_later);
+    const double median_m = as_is.add(ours, sdk, angles);
+    late.add(ours, sdk_later, angles_later);
+    result.sequences.push_back({.name = sequence->name,
+                                .frames = static_cast<int>(ours.size()),
+                                .median_m = median_m,
+                                .sdk_span_rad = angles.sdk_span_rad,
+                                .our_span_rad = angles.our_span_rad,
+                                .correlation = angles.correlation,
+                                .correlation_delayed = angles_later.correlation});
     result.frames += static_cast<int>(ours.size());
   }
   if (result.frames == 0) return fail(folder.string() + ": no recordings of the actions to evaluate");

@@ -174,6 +174,68 @@ TEST(SynthSource, TheUserPositionLiesOnTheFrontOfTheTorso) {
   EXPECT_GT(offset.z(), -0.20F);
 }
 
+/// The user's pixels in the first frame.
+int pixels_of_user(const SynthOptions& options) {
+  auto source = SynthSource::open(*find_script("stand"), options);
+  EXPECT_TRUE(source);
+  DepthFrame frame;
+  EXPECT_TRUE((*source)->read(frame, 0ms));
+  int count = 0;
+  for (const std::uint8_t owner : (*source)->truth().owner) count += owner == 1;
+  return count;
+}
+
+TEST(SynthSource, FurnitureHidesAboutTheShareThatIsAskedFor) {
+  SynthOptions open{.seed = 3, .width = 160, .height = 120, .distance_m = 2.8, .wish = {}};
+  const double whole = pixels_of_user(open);
+  for (const double share : {0.2, 0.4}) {
+    for (const bool below : {true, false}) {
+      SynthOptions hidden = open;
+      hidden.occluded = share;
+      hidden.occluded_below = below;
+      EXPECT_NEAR(pixels_of_user(hidden) / whole, 1 - share, 0.15) << share << (below ? " below" : " beside");
+    }
+  }
+}
+
+TEST(SynthSource, AWheelchairIsSeenAndNobodys) {
+  Script script = *find_script("stand");
+  script.actors[0].posture = Posture::Wheelchair;
+  Script chair = script;
+  chair.actors[0].posture = Posture::Chair;
+  const SynthOptions options{.seed = 4, .width = 160, .height = 120, .distance_m = 2.5, .wish = {}, .furnished = false};
+  DepthFrame with_wheels, with_legs;
+  auto source = SynthSource::open(script, options), other = SynthSource::open(chair, options);
+  ASSERT_TRUE(source && other);
+  ASSERT_TRUE((*source)->read(with_wheels, 0ms) && (*other)->read(with_legs, 0ms));
+  EXPECT_NE(with_wheels.depth_mm, with_legs.depth_mm);
+  const auto hip_height = [](SynthSource& s) {
+    const Eigen::Vector3f up = s.rest().frame.up;
+    return up.dot(s.truth().skeleton[JointId::LeftHip].position - s.truth().skeleton[JointId::LeftFoot].position);
+  };
+  EXPECT_LT(hip_height(**source), 0.6F) << "sits";
+  EXPECT_LT(hip_height(**other), 0.6F);
+  for (std::size_t pixel = 0; pixel < with_wheels.depth_mm.size(); ++pixel) {
+    EXPECT_TRUE((*source)->truth().owner[pixel] == 1 || (*source)->truth().part[pixel] == kNoPart);
+  }
+}
+
+TEST(SynthSource, AWishedForPersonIsAsWished) {
+  using Body = PersonWish::Body;
+  using Clothes = PersonWish::Clothes;
+  Random random(5);
+  for (const Body body : {Body::Adult, Body::Child}) {
+    for (const Clothes clothes : {Clothes::Plain, Clothes::Coat, Clothes::Skirt}) {
+      const PersonWish wish{body, clothes, 1.1};
+      const Person person = random_person(random, wish);
+      EXPECT_TRUE(wish.fulfilled_by(person));
+      EXPECT_EQ(person.outfit.bag, Outfit::Bag::None);
+      EXPECT_EQ(person.outfit.skirt > 0, clothes != Clothes::Plain);
+      EXPECT_EQ(person.shape.stature < 1.5, body == Body::Child);
+    }
+  }
+}
+
 TEST(SynthSource, FramesCarrySequenceAndTime) {
   auto source = opened("stand?size=32x24&fps=10");
   DepthFrame frame;

@@ -1,0 +1,146 @@
+#include "tools/evaluation/real_report.h"
+
+#include <cstdio>
+#include <numbers>
+
+#include "tools/evaluation/chart.h"
+#include "tools/output_file.h"
+
+namespace armature::tools {
+namespace {
+
+constexpr double kCentimetres = 100;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::string name(JointId joint) {
+  return std::string(kJointNames[index(joint)]);
+}
+
+Json to_json(const JointDeviation& d) {
+  return {{"median_m", number(d.median_m)}, {"p90_m", number(d.p90_m)}};
+}
+
+Json to_json(const RealAgreement& agreement) {
+  Json joints, motions;
+  for (std::size_t j = 0; j < kNavigationJoints.size(); ++j) {
+    joints[name(kNavigationJoints[j])] = to_json(agreement.joints[j]);
+  }
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    const AngleCorrelation& c = agreement.correlation[m];
+    motions[std::string(kMotionNames[m])] = {
+        {"mean", number(c.mean)}, {"median", number(c.median)}, {"sequences", c.sequences}};
+  }
+  return {{"all", to_json(agreement.all)},
+          {"knees", to_json(agreement.knees)},
+          {"within_15_cm", number(agreement.within_15_cm)},
+          {"joints", joints},
+          {"correlation", motions}};
+}
+
+Json to_json(const RealEvaluation& real, const char* system) {
+  return {{"data", "real"},
+          {"system", system},
+          {"sequences", real.sequences.size()},
+          {"frames", real.frames},
+          {"frames_tracked", number(real.frames_tracked)},
+          {"joints_observed", number(real.joints_observed)},
+          {"frame_us", {{"p50", number(real.p50_us)}, {"p99", number(real.p99_us)}}},
+          {"as_is", to_json(real.as_is)},
+          {"sdk_delayed", to_json(real.delayed)}};
+}
+
+Json to_json(const SequenceAgreement& sequence, const char* system) {
+  Json motions;
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    motions[std::string(kMotionNames[m])] = {{"sdk_span_deg", number(kDegrees * sequence.sdk_span_rad[m])},
+                                             {"our_span_deg", number(kDegrees * sequence.our_span_rad[m])},
+                                             {"correlation", number(sequence.correlation[m])},
+                                             {"correlation_delayed", number(sequence.correlation_delayed[m])}};
+  }
+  return {{"data", "real_sequence"},
+          {"system", system},
+          {"name", sequence.name},
+          {"frames", sequence.frames},
+          {"median_m", number(sequence.median_m)},
+          {"motions", motions}};
+}
+
+void print_deviation(const std::string& title, const JointDeviation& a, const JointDeviation& b,
+                     const JointDeviation& c, const JointDeviation& d) {
+  std::printf("  %-18s", title.c_str());
+  for (const JointDeviation* one : {&a, &b, &c, &d}) {
+    std::printf("   %6.2f /%6.2f", kCentimetres * one->median_m, kCentimetres * one->p90_m);
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+
+void print_real(const RealComparison& real) {
+  const RealEvaluation &ours = real.ours, &paper = real.paper;
+  std::printf(
+      "\n%zu recordings of real people, %d frames, given their pixels, against the Kinect SDK's joints\n"
+      "  frames tracked %.3f (paper %.3f), navigation joints observed %.3f (%.3f)\n"
+      "  forest and joints, ms a frame: p50 %.2f p99 %.2f (paper: p50 %.2f p99 %.2f)\n",
+      ours.sequences.size(), ours.frames, ours.frames_tracked, paper.frames_tracked, ours.joints_observed,
+      paper.joints_observed, ours.p50_us / 1000, ours.p99_us / 1000, paper.p50_us / 1000, paper.p99_us / 1000);
+  std::printf("  %-18s%17s%17s%17s%17s\n", "", "ours as is", "SDK delayed", "paper as is", "SDK delayed");
+  std::printf("  %-18s%17s%17s%17s%17s\n", "deviation, cm", "p50 /  p90", "p50 /  p90", "p50 /  p90", "p50 /  p90");
+  for (std::size_t j = 0; j < kNavigationJoints.size(); ++j) {
+    print_deviation(name(kNavigationJoints[j]), ours.as_is.joints[j], ours.delayed.joints[j], paper.as_is.joints[j],
+                    paper.delayed.joints[j]);
+  }
+  print_deviation("knees", ours.as_is.knees, ours.delayed.knees, paper.as_is.knees, paper.delayed.knees);
+  print_deviation("all", ours.as_is.all, ours.delayed.all, paper.as_is.all, paper.delayed.all);
+  std::printf("  %-18s%17.3f%17.3f%17.3f%17.3f\n", "within 15 cm", ours.as_is.within_15_cm, ours.delayed.within_15_cm,
+              paper.as_is.within_15_cm, paper.delayed.within_15_cm);
+  std::printf("  %-18s%17s%17s%17s%17s   sequences\n", "correlation", "mean / median", "mean / median", "mean / median",
+              "mean / median");
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    std::printf("  %-18s", std::string(kMotionNames[m]).c_str());
+    for (const RealAgreement* one : {&ours.as_is, &ours.delayed, &paper.as_is, &paper.delayed}) {
+      std::printf("     %5.2f / %4.2f", one->correlation[m].mean, one->correlation[m].median);
+    }
+    std::printf("%12d\n", ours.as_is.correlation[m].sequences);
+  }
+}
+
+Expected<void> write_real_json(const RealComparison& real) {
+  const auto write = [](const RealEvaluation& one, const char* system) -> Expected<void> {
+    if (auto written = write_json_line(stdout, to_json(one, system)); !written) return written;
+    for (const SequenceAgreement& sequence : one.sequences) {
+      if (auto written = write_json_line(stdout, to_json(sequence, system)); !written) return written;
+    }
+    return {};
+  };
+  if (auto written = write(real.ours, "mask"); !written) return written;
+  return write(real.paper, "paper");
+}
+
+Expected<void> write_real_plots(const RealComparison& real, const std::filesystem::path& folder) {
+  std::vector<std::string> joints, motions;
+  std::vector<Series> deviation = {{"ours", {}}, {"just the paper", {}}}, correlation = deviation;
+  const auto add = [](const RealAgreement& agreement, Series& deviations, Series& correlations) {
+    for (const JointDeviation& joint : agreement.joints) deviations.values.push_back(kCentimetres * joint.p90_m);
+    for (const AngleCorrelation& motion : agreement.correlation) {
+      correlations.values.push_back(std::max(0.0, motion.median));
+    }
+  };
+  add(real.ours.delayed, deviation[0], correlation[0]);
+  add(real.paper.delayed, deviation[1], correlation[1]);
+  for (const JointId joint : kNavigationJoints) joints.push_back(name(joint));
+  for (const std::string_view motion : kMotionNames) motions.emplace_back(motion);
+  const auto saved = write_file((folder / "real_deviation.svg").string(),
+                                bar_chart({.title = "Deviation from the Kinect SDK on real people",
+                                           .x_axis = "90th percentile, cm, SDK joints delayed by 1.5 frames",
+                                           .y_axis = ""},
+                                          joints, deviation));
+  if (!saved) return saved;
+  return write_file((folder / "real_correlation.svg").string(),
+                    bar_chart({.title = "Correlation of motion angles with the Kinect SDK's on real people",
+                               .x_axis = "median over sequences, SDK joints delayed by 1.5 frames",
+                               .y_axis = ""},
+                              motions, correlation));
+}
+
+}  // namespace armature::tools
