@@ -14,7 +14,7 @@ int count(const std::string& text, const std::string& what) {
 const ChartText kText = {.title = "Error", .x_axis = "distance, m", .y_axis = "cm"};
 
 TEST(Chart, ALineHasADiscForEachValueAndSaysWhatItShows) {
-  const std::string svg = line_chart(kText, {1, 2, 3}, {{"ours", {1, 2, 3}}, {"theirs", {3, 2, 1}}}, 0, 4);
+  const std::string svg = line_chart(kText, {1, 2, 3}, {{"ours", {1, 2, 3}, 0}, {"theirs", {3, 2, 1}, 1}}, 0, 4);
   EXPECT_EQ(count(svg, "<circle"), 6);
   for (const char* text : {">Error<", ">distance, m<", ">cm<", ">ours<", ">theirs<", ">2<"}) {
     EXPECT_EQ(count(svg, text) > 0, true) << text;
@@ -24,7 +24,7 @@ TEST(Chart, ALineHasADiscForEachValueAndSaysWhatItShows) {
 }
 
 TEST(Chart, BarsAreAsLongAsTheirValues) {
-  const std::string svg = bar_chart(kText, {"head", "knee"}, {{"ours", {10, 5}}});
+  const std::string svg = bar_chart(kText, {"head", "knee"}, {{"ours", {10, 5}, 0}});
   EXPECT_EQ(count(svg, "height=\"7.0\""), 2);
   EXPECT_EQ(count(svg, "width=\"514.3\""), 1);  // 540 pixels are 1.05 times the largest value
   EXPECT_EQ(count(svg, "width=\"257.1\""), 1);

@@ -104,6 +104,7 @@ class Programs(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in (self.here / "plots").iterdir()),
                          ["joint_errors.svg", "map_of_categories.svg", "map_over_distance.svg"])
         self.assert_refused(run("armature", "forest", "evaluate", model, "--category", "flying"), "flying", "standing")
+        self.assert_refused(run("armature", "forest", "evaluate", model, "--plots", model), model, "no folder")
         self.assertEqual(run("armature", "forest", "evaluate", model, "--size", "1x1").returncode, 2)
 
     def test_what_print_config_writes_is_a_configuration(self):

@@ -8,7 +8,10 @@
 namespace armature::tools {
 namespace {
 
-constexpr std::array<const char*, 4> kColours = {"#0072b2", "#d55e00", "#777777", "#009e73"};
+const char* colour_of(const Series& series) {
+  return kChartColours[series.colour % kChartColours.size()];
+}
+
 constexpr int kWidth = 720;
 
 template <class... Args>
@@ -55,10 +58,10 @@ class Canvas {
   }
   void legend(const std::vector<Series>& series) {
     double x = 16;
-    for (std::size_t s = 0; s < series.size(); ++s) {
-      box(x, 36, 12, 12, kColours[s % kColours.size()]);
-      label(x + 18, 47, series[s].name, "start");
-      x += 40 + 7.2 * static_cast<double>(series[s].name.size());
+    for (const Series& one : series) {
+      box(x, 36, 12, 12, colour_of(one));
+      label(x + 18, 47, one.name, "start");
+      x += 40 + 7.2 * static_cast<double>(one.name.size());
     }
   }
   [[nodiscard]] std::string finish() const { return out_ + "</g>\n</svg>\n"; }
@@ -101,9 +104,9 @@ std::string line_chart(const ChartText& text, const std::vector<double>& x, cons
   canvas.label(0.5 * (across.from + across.to), canvas.height() - 10.0, text.x_axis, "middle");
   canvas.label(18, 0.5 * (up.from + up.to), text.y_axis, "middle",
                formatted("transform=\"rotate(-90 18 %.1f)\"", 0.5 * (up.from + up.to)).c_str());
-  for (std::size_t s = 0; s < series.size(); ++s) {
-    const char* colour = kColours[s % kColours.size()];
-    const auto at = [&](std::size_t i) { return up(std::clamp(series[s].values[i], y_low, y_high)); };
+  for (const Series& one : series) {
+    const char* colour = colour_of(one);
+    const auto at = [&](std::size_t i) { return up(std::clamp(one.values[i], y_low, y_high)); };
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (i > 0) canvas.line(across(x[i - 1]), at(i - 1), across(x[i]), at(i), colour, 2);
       canvas.disc(across(x[i]), at(i), colour);
@@ -133,7 +136,7 @@ std::string bar_chart(const ChartText& text, const std::vector<std::string>& lab
     canvas.label(across.from - 8, y + 0.5 * (group - kGap) + 4, labels[i], "end");
     for (std::size_t s = 0; s < series.size(); ++s) {
       canvas.box(across.from, y + kBar * static_cast<double>(s), across(series[s].values[i]) - across.from, kBar - 1,
-                 kColours[s % kColours.size()]);
+                 colour_of(series[s]));
     }
   }
   canvas.line(across.from, kTop, across.from, bottom, "#222222", 1);

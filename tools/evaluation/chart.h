@@ -1,14 +1,20 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace armature::tools {
 
+/// Blue, orange, grey and green, told apart by everybody (Okabe and Ito 2008).
+inline constexpr std::array<const char*, 4> kChartColours = {"#0072b2", "#d55e00", "#777777", "#009e73"};
+
 /// A line of a chart, or a set of its bars.
 struct Series {
   std::string name;
   std::vector<double> values;  ///< one a position
+  std::size_t colour = 0;      ///< of kChartColours; the same thing has the same one in every chart
 };
 
 /// What both charts say beside their data.

@@ -1,6 +1,7 @@
 #include "tools/evaluation/forest_evaluation.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "tools/evaluation/paper_tracker.h"
@@ -88,6 +89,11 @@ Expected<void> evaluate_forest(const EvaluationOptions& options, bool json) {
   auto loaded = Forest::load(options.model);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto forest = std::make_shared<const Forest>(std::move(*loaded));
+  if (!options.plots.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.plots, error);
+    if (error) return fail(options.plots + ": no folder can be made there: " + error.message());
+  }
   if (!options.real_only) {
     if (auto done = evaluate_on_scenes(forest, options, json); !done) return done;
   }

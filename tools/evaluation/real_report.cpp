@@ -119,7 +119,9 @@ Expected<void> write_real_json(const RealComparison& real) {
 
 Expected<void> write_real_plots(const RealComparison& real, const std::filesystem::path& folder) {
   std::vector<std::string> joints, motions;
-  std::vector<Series> deviation = {{"ours", {}}, {"just the paper", {}}}, correlation = deviation;
+  std::vector<Series> deviation = {{.name = "ours", .values = {}, .colour = 1},
+                                   {.name = "just the paper", .values = {}, .colour = 2}},
+                      correlation = deviation;
   const auto add = [](const RealAgreement& agreement, Series& deviations, Series& correlations) {
     for (const JointDeviation& joint : agreement.joints) deviations.values.push_back(kCentimetres * joint.p90_m);
     for (const AngleCorrelation& motion : agreement.correlation) {

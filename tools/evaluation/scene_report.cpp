@@ -229,9 +229,6 @@ Expected<void> write_scenes_json(const PlayedScenes& played) {
 }
 
 Expected<void> write_scene_plots(const PlayedScenes& played, const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(folder.string() + ": cannot be made: " + error.message());
   const auto all = summaries(played);
 
   std::vector<std::string> joints;
@@ -240,6 +237,7 @@ Expected<void> write_scene_plots(const PlayedScenes& played, const std::filesyst
   std::vector<double> distances;
   for (std::size_t s = 0; s < kSystemCount; ++s) {
     errors[s].name = precision[s].name = categories[s].name = kLegend[s];
+    errors[s].colour = precision[s].colour = categories[s].colour = s;
     for (const JointAccuracy& joint : all[s].joints) errors[s].values.push_back(kCentimetres * joint.mean_error_m);
     distances.clear();
     for (const DistanceRow& row : by_distance(played.records, kSystems[s])) {

@@ -22,8 +22,7 @@ void print_scenes(const PlayedScenes& played);
 /// One JSON object a system ("data": "scenes"), then one a scene and system ("data": "scene").
 [[nodiscard]] Expected<void> write_scenes_json(const PlayedScenes& played);
 
-/// SVG pictures in a folder, which is made where it is missing: joint_errors.svg, map_over_distance.svg,
-/// map_of_categories.svg.
+/// SVG pictures in a folder that exists: joint_errors.svg, map_over_distance.svg, map_of_categories.svg.
 [[nodiscard]] Expected<void> write_scene_plots(const PlayedScenes& played, const std::filesystem::path& folder);
 
 }  // namespace armature::tools
