@@ -9,6 +9,9 @@ namespace armature {
 /// (bin/PROGRAM and share/armature/FILE).
 [[nodiscard]] std::filesystem::path installed_file(std::string_view name);
 
+/// A plug-in of lib/armature, found the same way.
+[[nodiscard]] std::filesystem::path installed_plugin(std::string_view name);
+
 /// The forest that comes with Armature.
 [[nodiscard]] inline std::filesystem::path installed_model() {
   return installed_file("person.forest");

@@ -15,8 +15,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(ARMATURE_SHARE_DIR "${CMAKE_BINARY_DIR}/share/armature")
+# What programs load when they need it.
+set(ARMATURE_PLUGIN_DIR "lib/armature")
 # OpenNI2 with our choice of drivers (firmware_host/CMakeLists.txt), found from bin/ and tests/ alike.
-set(ARMATURE_OPENNI2_DIR "lib/armature/openni2")
+set(ARMATURE_OPENNI2_DIR "${ARMATURE_PLUGIN_DIR}/openni2")
 set(CMAKE_BUILD_RPATH "$ORIGIN/../${ARMATURE_OPENNI2_DIR}")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../${ARMATURE_OPENNI2_DIR}")
 

@@ -8,6 +8,7 @@
 #include "tools/interrupt.h"
 #include "tools/json_lines.h"
 #include "tools/progress.h"
+#include "tools/training_ranks.h"
 #include "tracker/forest/trainer.h"
 
 namespace armature::tools {
@@ -26,17 +27,18 @@ std::string command_of(const TrainerOptions& o) {
          std::to_string(o.min_leaf_samples) + " --seed " + std::to_string(o.seed);
 }
 
-Expected<void> train(const TrainArguments& arguments) {
+Expected<void> train(const TrainArguments& arguments, Ranks& ranks) {
   TrainerOptions options = arguments.options;
   options.command = command_of(options);
   options.checkpoint = arguments.out + ".checkpoint";
   const Interrupt interrupt;
-  ProgressBar bar({.title = "training"});
+  ProgressBar bar({.title = "training", .silent = ranks.rank() != 0});
   const auto forest = train_forest(
       options, [&](int i) { return synthetic_image(training_seed(options.seed, static_cast<std::uint64_t>(i))); },
-      bar.callback(), interrupt.token());
+      bar.callback(), interrupt.token(), ranks);
   bar.finish();
   if (!forest) return tl::unexpected(forest.error());
+  if (ranks.rank() != 0) return {};
   return forest->save(arguments.out);
 }
 
@@ -70,9 +72,11 @@ Expected<void> print_info(const std::string& path, bool json) {
 void add_train(CLI::App& forest, Run& run) {
   auto* command = forest.add_subcommand("train", "Train a part forest on synthetic people.");
   command->footer(
-      "The same options give the same file, whatever the number of threads. Ctrl-C stops; what was finished stays in\n"
-      "OUT.forest.checkpoint and --resume goes on from there.\n\n"
-      "Example: armature forest train person.forest --images 4000 --trees 3 --depth 17");
+      "The same options give the same file, whatever the number of threads or processes. Ctrl-C stops; what was\n"
+      "finished stays in OUT.forest.checkpoint and --resume goes on from there. Under OpenMPI's mpirun the processes\n"
+      "share the images: start one a core.\n\n"
+      "Example: armature forest train person.forest --images 4000 --trees 3 --depth 17\n"
+      "Example: mpirun -n 64 --hostfile machines armature forest train person.forest --images 100000");
   auto arguments = std::make_shared<TrainArguments>();
   TrainerOptions& o = arguments->options;
   command->add_option("OUT", arguments->out, "the model to write")->required();
@@ -83,9 +87,11 @@ void add_train(CLI::App& forest, Run& run) {
   command->add_option("--features", o.features_per_node, "random features tried at each split")->capture_default_str();
   command->add_option("--min-leaf", o.min_leaf_samples, "pixels in a leaf, at least")->capture_default_str();
   command->add_option("--seed", o.seed, "of the images and the trees")->capture_default_str();
-  command->add_option("--threads", o.threads, "0: one a core")->capture_default_str();
+  command->add_option("--threads", o.threads, "0: one a core, under mpirun one a process")->capture_default_str();
   command->add_flag("--resume", o.resume, "go on with an interrupted run of the same options");
-  command->callback([arguments, &run] { run = [arguments] { return train(*arguments); }; });
+  command->callback([arguments, &run] {
+    run = [arguments] { return run_on_ranks([&](Ranks& ranks) { return train(*arguments, ranks); }); };
+  });
 }
 
 void add_evaluate(CLI::App& forest, Run& run) {

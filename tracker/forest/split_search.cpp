@@ -27,24 +27,38 @@ std::uint64_t log2_in_4096ths(std::uint32_t n) {
   return result;
 }
 
-std::span<const TrainingSample> thin(std::span<const TrainingSample> samples, std::size_t most,
-                                     std::vector<TrainingSample>& scratch) {
-  if (samples.size() <= most) return samples;
-  scratch.resize(most);
-  for (std::size_t i = 0; i < most; ++i) scratch[i] = samples[i * samples.size() / most];
-  return scratch;
+/// Only parts that occur have a column in the histograms.
+struct Columns {
+  std::array<std::uint16_t, kPartCount> of_part{};
+  std::array<std::int64_t, kPartCount> total{};  // samples in each column
+  std::size_t used = 0, padded = 0;
+};
+
+Columns columns_of(const PartCounts& parts) {
+  Columns columns;
+  for (std::size_t part = 0; part < kPartCount; ++part) {
+    if (parts[part] == 0) continue;
+    columns.of_part[part] = static_cast<std::uint16_t>(columns.used);
+    columns.total[columns.used++] = parts[part];
+  }
+  columns.padded = (columns.used + kColumnsAtOnce - 1) / kColumnsAtOnce * kColumnsAtOnce;
+  return columns;
 }
 
 }  // namespace
 
 SplitSearch::SplitSearch(const TrainerOptions& options) : options_(options) {
-  n_log_n_.resize(static_cast<std::size_t>(options.node_samples) + 1);
-  for (std::uint32_t n = 1; n < n_log_n_.size(); ++n) {
-    n_log_n_[n] = static_cast<std::uint32_t>(n * log2_in_4096ths(n));
-  }
+  n_log_n_.push_back(0);
 }
 
-void SplitSearch::draw_features(TrainingRandom random) {
+std::size_t SplitSearch::histogram_size(const SearchedNode& node) const noexcept {
+  return static_cast<std::size_t>(options_.features_per_node) * kBins * columns_of(node.parts).padded;
+}
+
+void SplitSearch::draw_features(std::uint64_t seed) {
+  if (drawn_seed_ == seed) return;
+  drawn_seed_ = seed;
+  TrainingRandom random(seed);
   // Uniform in a disc that is itself shrunk at random: denser near zero.
   const auto probe_mm = [&] {
     const int reach = random.between(1, options_.max_probe_mm);
@@ -67,19 +81,21 @@ void SplitSearch::draw_features(TrainingRandom random) {
   bins_.assign(drawn_);
 }
 
-void SplitSearch::fill_histograms(std::span<const TrainingPerson> persons, std::span<const TrainingSample> samples,
-                                  std::span<const std::uint16_t> column_of_part) {
+void SplitSearch::count(std::span<const TrainingPerson> persons, std::span<const TrainingSample> samples,
+                        const SearchedNode& node, std::span<std::uint16_t> histograms) {
+  draw_features(node.seed);
+  const Columns columns = columns_of(node.parts);
   const std::size_t features = bins_.features().size();
   const std::size_t stride = bins_.stride();
-  const std::size_t size = kBins * columns_;  // of one histogram
-  histogram_.assign(features * size, 0);
+  const std::size_t size = kBins * columns.padded;  // of one histogram
+  std::fill(histograms.begin(), histograms.end(), std::uint16_t{0});
   rows_.resize(kChunk * stride);
   for (std::size_t begin = 0; begin < samples.size(); begin += kChunk) {
     const auto chunk = samples.subspan(begin, std::min(kChunk, samples.size() - begin));
-    bins_.find(persons, chunk, static_cast<std::uint16_t>(columns_), column_of_part, rows_.data());
+    bins_.find(persons, chunk, static_cast<std::uint16_t>(columns.padded), columns.of_part, rows_.data());
     for (std::size_t first = 0; first < features; first += kFeaturesAtOnce) {
       const std::size_t count = std::min(kFeaturesAtOnce, features - first);
-      std::uint16_t* const histogram = histogram_.data() + first * size;
+      std::uint16_t* const histogram = histograms.data() + first * size;
       for (std::size_t i = 0; i < chunk.size(); ++i) {
         const std::uint16_t* const row = rows_.data() + i * stride + first;
         for (std::size_t f = 0; f < count; ++f) ++histogram[f * size + row[f]];
@@ -88,51 +104,38 @@ void SplitSearch::fill_histograms(std::span<const TrainingPerson> persons, std::
   }
 }
 
-std::optional<SplitNode> SplitSearch::find(std::span<const TrainingPerson> persons,
-                                           std::span<const TrainingSample> samples, TrainingRandom random) {
-  const auto chosen = thin(samples, static_cast<std::size_t>(options_.node_samples), thinned_);
-  std::array<std::uint32_t, kPartCount> occurs{};
-  for (const TrainingSample& sample : chosen) ++occurs[sample.part];
-  // Only parts that occur have a column in the histograms.
-  std::array<std::uint16_t, kPartCount> column_of_part{};
-  std::array<std::uint32_t, kPartCount> total{};
-  std::size_t present = 0;
-  for (std::size_t part = 0; part < kPartCount; ++part) {
-    if (occurs[part] == 0) continue;
-    column_of_part[part] = static_cast<std::uint16_t>(present);
-    total[present++] = occurs[part];
+std::optional<SplitNode> SplitSearch::best(const SearchedNode& node, std::span<const std::uint16_t> histograms) {
+  draw_features(node.seed);
+  const Columns columns = columns_of(node.parts);
+  const std::int64_t count = total(node.parts);
+  for (auto n = static_cast<std::uint32_t>(n_log_n_.size()); n <= count; ++n) {
+    n_log_n_.push_back(static_cast<std::uint32_t>(n * log2_in_4096ths(n)));
   }
-  if (present < 2) return {};
-  columns_ = (present + kColumnsAtOnce - 1) / kColumnsAtOnce * kColumnsAtOnce;
-  draw_features(random);
-  fill_histograms(persons, chosen, column_of_part);
 
-  const auto count = static_cast<std::uint32_t>(chosen.size());
   // A child must get its share of the samples that a leaf needs.
-  const auto fewest = static_cast<std::uint32_t>(
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(options_.min_leaf_samples) * count / samples.size()));
+  const std::int64_t fewest = std::max<std::int64_t>(1, options_.min_leaf_samples * count / node.samples);
   // Purity = sum of n log n over the parts of a child, minus that of the child: the negated entropy.
-  std::int64_t best = -static_cast<std::int64_t>(n_log_n_[count]);
-  for (std::size_t column = 0; column < present; ++column) best += n_log_n_[total[column]];
+  std::int64_t best = -std::int64_t{n_log_n(count)};
+  for (std::size_t column = 0; column < columns.used; ++column) best += n_log_n(columns.total[column]);
   const CandidateFeature* found = nullptr;
   int found_bin = 0;
-  const std::uint16_t* row = histogram_.data();
+  const std::uint16_t* row = histograms.data();
   for (const CandidateFeature& feature : bins_.features()) {
     std::array<std::uint32_t, kPartCount + 1> left{};
     std::uint32_t left_count = 0;
-    const std::uint16_t* const end = row + kBins * columns_;
-    for (int bin = 1; bin < kBins; ++bin, row += columns_) {
+    const std::uint16_t* const end = row + kBins * columns.padded;
+    for (int bin = 1; bin < kBins; ++bin, row += columns.padded) {
       std::uint32_t added = 0;
-      for (std::size_t column = 0; column < columns_; ++column) {
+      for (std::size_t column = 0; column < columns.padded; ++column) {
         left[column] += row[column];
         added += row[column];
       }
       left_count += added;
       if (added == 0 || left_count < fewest) continue;
       if (count - left_count < fewest) break;
-      std::int64_t purity = -(std::int64_t{n_log_n_[left_count]} + n_log_n_[count - left_count]);
-      for (std::size_t column = 0; column < present; ++column) {
-        purity += n_log_n_[left[column]] + n_log_n_[total[column] - left[column]];
+      std::int64_t purity = -(std::int64_t{n_log_n(left_count)} + n_log_n(count - left_count));
+      for (std::size_t column = 0; column < columns.used; ++column) {
+        purity += n_log_n(left[column]) + n_log_n(columns.total[column] - left[column]);
       }
       // Of equals the feature that was drawn first, whatever order they are in.
       if (purity < best || (purity == best && (found == nullptr || found->number <= feature.number))) continue;

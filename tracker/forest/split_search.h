@@ -11,29 +11,38 @@
 
 namespace armature {
 
+/// A node whose split is searched for, as all ranks know it.
+struct SearchedNode {
+  PartCounts parts{};        ///< of the samples that the search looks at
+  std::int64_t samples = 0;  ///< of the whole node
+  std::uint64_t seed = 0;    ///< of its features
+};
+
 /// Finds the best of many random features for a node: the one that takes most entropy of the parts away, counted in
-/// integer histograms (one increment per sample and feature) over 23 thresholds. Owns scratch memory: one a thread.
+/// integer histograms (one increment per sample and feature) over 23 thresholds. Histograms of several ranks add up.
+/// Owns scratch memory: one a thread.
 class SplitSearch {
  public:
   explicit SplitSearch(const TrainerOptions& options);
 
-  /// Nothing if no feature separates these samples. Children of the result are unset.
-  [[nodiscard]] std::optional<SplitNode> find(std::span<const TrainingPerson> persons,
-                                              std::span<const TrainingSample> samples, TrainingRandom random);
+  /// Numbers in the histograms of a node's features.
+  [[nodiscard]] std::size_t histogram_size(const SearchedNode& node) const noexcept;
+  /// Counts these samples into the node's histograms, [feature][bin][part that occurs], of histogram_size().
+  void count(std::span<const TrainingPerson> persons, std::span<const TrainingSample> samples, const SearchedNode& node,
+             std::span<std::uint16_t> histograms);
+  /// The best split by the histograms of all its samples. Nothing if no feature separates them. Children are unset.
+  [[nodiscard]] std::optional<SplitNode> best(const SearchedNode& node, std::span<const std::uint16_t> histograms);
 
  private:
-  void draw_features(TrainingRandom random);
-  void fill_histograms(std::span<const TrainingPerson> persons, std::span<const TrainingSample> samples,
-                       std::span<const std::uint16_t> column_of_part);
+  void draw_features(std::uint64_t seed);
+  [[nodiscard]] std::uint32_t n_log_n(std::int64_t n) const { return n_log_n_[static_cast<std::size_t>(n)]; }
 
   TrainerOptions options_;
-  std::vector<TrainingSample> thinned_;  // scratch of find()
+  std::optional<std::uint64_t> drawn_seed_;
   std::vector<CandidateFeature> drawn_;
   FeatureBins bins_;
-  std::vector<std::uint16_t> rows_;       // [sample of a chunk][feature]: where its histogram counts the sample
-  std::vector<std::uint16_t> histogram_;  // [feature][bin][part that occurs here]
-  std::size_t columns_ = 0;               // parts that occur here, padded
-  std::vector<std::uint32_t> n_log_n_;    // n log2 n in 4096ths of a bit
+  std::vector<std::uint16_t> rows_;     // [sample of a chunk][feature]: where its histogram counts the sample
+  std::vector<std::uint32_t> n_log_n_;  // n log2 n in 4096ths of a bit
 };
 
 }  // namespace armature

@@ -12,6 +12,7 @@
 
 #include "firmware_host/depth_frame.h"
 #include "tracker/forest/forest.h"
+#include "tracker/forest/ranks.h"
 
 namespace armature {
 
@@ -37,7 +38,7 @@ struct TrainerOptions {
   int min_leaf_samples = 40;
   int max_probe_mm = 1000;
   std::uint64_t seed = 1;
-  int threads = 0;                   ///< 0: as many as there are cores; changes nothing about the result
+  int threads = 0;                   ///< 0: as many as there are cores, or one for each of several ranks
   std::string command;               ///< recorded in the model
   std::filesystem::path checkpoint;  ///< where finished subtrees are kept; empty: nowhere
   bool resume = false;               ///< take what the checkpoint holds instead of training it again
@@ -46,9 +47,14 @@ inline constexpr int kMaxNodeSamples = 32768;
 
 /// Trains a part forest (Shotton et al. 2011, section 3.3; offset votes in the leaves after Girshick et al. 2011).
 /// Breadth-first for the first levels, then each subtree depth-first; a node's randomness comes from its place in the
-/// tree, so the result depends on the options and images alone, not on threads or interruptions. Splits are chosen in
-/// integers. `progress` gets fractions in [0, 1], from any thread, one at a time. A stop is an error that says how to
-/// go on; the checkpoint then holds what was finished.
+/// tree, so the result depends on the options and images alone, not on threads, ranks or interruptions: what ranks add
+/// up are integers, and which samples are looked at depends on each sample alone. Every rank returns the same forest or
+/// the same error; checkpoint and progress are of rank 0. `progress` gets fractions in [0, 1], from any thread, one at
+/// a time. A stop is an error that says how to go on; the checkpoint then holds what was finished.
+[[nodiscard]] Expected<Forest> train_forest(const TrainerOptions& options, const TrainingImages& images,
+                                            const std::function<void(double)>& progress, std::stop_token stop,
+                                            Ranks& ranks);
+/// The same in this process alone.
 [[nodiscard]] Expected<Forest> train_forest(const TrainerOptions& options, const TrainingImages& images,
                                             const std::function<void(double)>& progress, std::stop_token stop);
 

@@ -1,6 +1,7 @@
 #include "tracker/forest/training_set.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "tracker/forest/random.h"
@@ -81,6 +82,34 @@ void draw_samples(const TrainingImage& image, const TrainingPerson& person, std:
   std::sort(all.begin(), all.end(),
             [](const TrainingSample& a, const TrainingSample& b) { return std::pair(a.v, a.u) < std::pair(b.v, b.u); });
   out.insert(out.end(), all.begin(), all.end());
+}
+
+std::int64_t total(const PartCounts& parts) noexcept {
+  return std::accumulate(parts.begin(), parts.end(), std::int64_t{0});
+}
+
+PartCounts count_parts(std::span<const TrainingSample> samples) noexcept {
+  PartCounts parts{};
+  for (const TrainingSample& sample : samples) ++parts[sample.part];
+  return parts;
+}
+
+std::span<const TrainingSample> draw_of_node(std::span<const TrainingSample> samples, std::int64_t total,
+                                             std::int64_t wanted, std::uint64_t seed, const Ranks& ranks,
+                                             std::vector<TrainingSample>& scratch) {
+  if (total <= wanted) return samples;
+  // A uniform number below the limit has the probability wanted / total.
+  const std::uint64_t limit =
+      ~std::uint64_t{0} / static_cast<std::uint64_t>(total) * static_cast<std::uint64_t>(wanted);
+  const auto count = static_cast<std::uint64_t>(ranks.count());
+  const auto rank = static_cast<std::uint64_t>(ranks.rank());
+  scratch.clear();
+  for (const TrainingSample& sample : samples) {
+    const std::uint64_t image = sample.person * count + rank;
+    const std::uint64_t pixel = image << 32U | std::uint64_t{sample.v} << 16U | sample.u;
+    if (derive_seed(seed, pixel) < limit) scratch.push_back(sample);
+  }
+  return scratch;
 }
 
 }  // namespace armature

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tracker/forest/paper_doll.h"
+#include "tests/tracker/forest/thread_ranks.h"
 #include "tracker/forest/feature_bins.h"
 #include "tracker/forest/split_search.h"
 #include "tracker/forest/trainer.h"
@@ -32,6 +33,73 @@ TEST(ForestTraining, OneThreadAndTwoGrowTheSameTrees) {
   const auto two = train(options);
   ASSERT_FALSE(one.empty());
   EXPECT_EQ(one, two);
+}
+
+/// What each of several ranks returns: the forest, or nothing. `stop_after` is asked after each image that a rank made
+/// and, of rank 0, with each progress.
+struct RankState {
+  int rank = 0;
+  int images = 0;
+  double progress = 0;
+};
+std::vector<std::vector<std::byte>> train_on_ranks(int count, const TrainerOptions& options,
+                                                   const std::function<bool(const RankState&)>& stop_after = {}) {
+  std::vector<std::vector<std::byte>> results(static_cast<std::size_t>(count));
+  ThreadRanks(count).run([&](Ranks& ranks) {
+    std::stop_source stop;
+    RankState state{.rank = ranks.rank()};
+    const auto counted = [&](int i) {
+      ++state.images;
+      if (stop_after && stop_after(state)) stop.request_stop();
+      return paper_images()(i);
+    };
+    const auto progress = [&](double fraction) {
+      state.progress = fraction;
+      if (stop_after && stop_after(state)) stop.request_stop();
+    };
+    const auto forest = train_forest(options, counted, progress, stop.get_token(), ranks);
+    if (forest) results[static_cast<std::size_t>(ranks.rank())] = forest->serialize();
+  });
+  return results;
+}
+
+TEST(ForestTraining, AnyNumberOfRanksGrowsTheSameTrees) {
+  auto options = paper_training();
+  for (const int node_samples : {2000, 300}) {  // of most nodes all samples, of most nodes few
+    options.node_samples = node_samples;
+    const auto one = train(options);
+    ASSERT_FALSE(one.empty());
+    for (const int count : {2, 5}) {
+      for (const auto& result : train_on_ranks(count, options)) EXPECT_EQ(result, one) << count << " ranks";
+    }
+  }
+  options.image_count = 2;  // one of three ranks has nothing
+  for (const auto& result : train_on_ranks(3, options)) EXPECT_EQ(result, train(options));
+}
+
+TEST(ForestTraining, ARunOnRanksThatIsStoppedAnywhereIsResumedByAnotherNumberOfThem) {
+  auto options = paper_training();
+  const auto whole = train(options);
+  options.checkpoint = fresh_folder("forest_training_ranks") / "run.checkpoint";
+  const auto stopped = train_on_ranks(3, options, [](const RankState& at) { return at.progress > 0.6; });
+  for (const auto& result : stopped) EXPECT_TRUE(result.empty());
+  options.resume = true;
+  const auto again = train_on_ranks(4, options, [](const RankState& at) { return at.rank == 2 && at.images > 5; });
+  for (const auto& result : again) EXPECT_TRUE(result.empty());
+  for (const auto& result : train_on_ranks(2, options)) EXPECT_EQ(result, whole);
+}
+
+TEST(ForestTraining, AFailureOfTheFirstRankIsTheErrorOfAll) {
+  auto options = paper_training();
+  options.checkpoint = fresh_folder("forest_training_failure") / "missing" / "run.checkpoint";
+  std::vector<std::string> messages(3);
+  ThreadRanks(3).run([&](Ranks& ranks) {
+    const auto forest = train_forest(options, paper_images(), {}, {}, ranks);
+    if (!forest) messages[static_cast<std::size_t>(ranks.rank())] = forest.error().message;
+  });
+  for (const std::string& message : messages) {
+    EXPECT_EQ(message, options.checkpoint.string() + ": cannot write the checkpoint; is the folder there, with room?");
+  }
 }
 
 TEST(ForestTraining, AnInterruptedRunThatIsResumedGrowsTheSameTrees) {
@@ -159,7 +227,10 @@ TEST(ForestTraining, ASplitSeparatesTwoHalvesThatOneFeatureTellsApart) {
   draw_samples(image, persons[0], 0, 1000, 3, samples);
   ASSERT_EQ(samples.size(), 1000U);
   SplitSearch search(options);
-  const auto split = search.find(persons, samples, TrainingRandom(9));
+  const SearchedNode node{count_parts(samples), 1000, 9};
+  std::vector<std::uint16_t> histograms(search.histogram_size(node));
+  search.count(persons, samples, node, histograms);
+  const auto split = search.best(node, histograms);
   ASSERT_TRUE(split.has_value());
   int wrong = 0;
   for (const TrainingSample& sample : samples) {
