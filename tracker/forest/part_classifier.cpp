@@ -1,67 +1,58 @@
 #include "tracker/forest/part_classifier.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "tracker/forest/part_feature.h"
+#include "tracker/forest/tree_walk.h"
 
 namespace armature {
 namespace {
-
-/// As many pixels as walk down a tree together, so that one's cache misses hide behind the others' work.
-constexpr std::size_t kInterleave = 16;
 
 struct Box {
   int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom exclusive
 };
 
-Box bounding_box(std::span<const std::uint8_t> mask, std::uint8_t user, int width, int height) noexcept {
-  Box box{width, height, 0, 0};
+/// `columns` is [width], for its own use.
+Box bounding_box(std::span<const std::uint8_t> mask, std::uint8_t user, int height,
+                 std::span<std::uint8_t> columns) noexcept {
+  const auto width = columns.size();
+  std::ranges::fill(columns, std::uint8_t{0});
+  int top = height, bottom = 0;
   for (int v = 0; v < height; ++v) {
-    const auto row =
-        mask.subspan(static_cast<std::size_t>(v) * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
-    const auto first = std::find(row.begin(), row.end(), user);
-    if (first == row.end()) continue;
-    const auto last = std::find(row.rbegin(), row.rend(), user);
-    box.left = std::min(box.left, static_cast<int>(first - row.begin()));
-    box.right = std::max(box.right, static_cast<int>(row.rend() - last));
-    box.top = std::min(box.top, v);
-    box.bottom = v + 1;
+    const std::uint8_t* row = mask.data() + static_cast<std::size_t>(v) * width;
+    if (std::memchr(row, user, width) == nullptr) continue;
+    for (std::size_t u = 0; u < width; ++u) columns[u] |= static_cast<std::uint8_t>(row[u] == user);
+    top = std::min(top, v);
+    bottom = v + 1;
   }
-  return box;
-}
-
-struct Walker {
-  std::int32_t node = 0;
-  int u = 0, v = 0;  // in the person image
-  ProbeScale scale;
-};
-
-/// Walks every walker to a leaf; its node is then ~leaf.
-void walk(const Tree& tree, const PersonImage& image, std::span<Walker> walkers) noexcept {
-  bool any = !tree.nodes.empty();
-  if (!any) {
-    for (Walker& walker : walkers) walker.node = ~0;
-    return;
-  }
-  for (Walker& walker : walkers) walker.node = 0;
-  while (any) {
-    any = false;
-    for (Walker& walker : walkers) {
-      if (walker.node < 0) continue;
-      const SplitNode& node = tree.nodes[static_cast<std::size_t>(walker.node)];
-      const bool right = part_feature(image, walker.u, walker.v, walker.scale, node) >= node.threshold_mm;
-      walker.node = node.child[right ? 1 : 0];
-      any = any || walker.node >= 0;
-    }
-  }
+  if (bottom == 0) return {};
+  const auto first = std::ranges::find(columns, std::uint8_t{1});
+  const auto last = std::find(columns.rbegin(), columns.rend(), std::uint8_t{1});
+  return {static_cast<int>(first - columns.begin()), top, static_cast<int>(columns.rend() - last), bottom};
 }
 
 }  // namespace
 
+int part_probability(const ClassifiedPixel& pixel, PartLabel part) noexcept {
+  int sum = 0;
+  int trees = 0;
+  for (const Leaf* leaf : pixel.leaves) {
+    if (leaf == nullptr) break;
+    sum += leaf->probability[index(part)];
+    ++trees;
+  }
+  return trees > 0 ? sum / trees : 0;
+}
+
 PartLabel most_likely_part(const ClassifiedPixel& pixel) noexcept {
-  const auto best = std::max_element(pixel.probability.begin(), pixel.probability.begin() + kPartCount);
-  return static_cast<PartLabel>(best - pixel.probability.begin());
+  auto best = PartLabel{0};
+  for (int i = 1; i < kPartCount; ++i) {
+    const auto part = static_cast<PartLabel>(i);
+    if (part_probability(pixel, part) > part_probability(pixel, best)) best = part;
+  }
+  return best;
 }
 
 struct PartClassifier::State {
@@ -69,7 +60,11 @@ struct PartClassifier::State {
   ClassifierOptions options;
   Intrinsics intrinsics;
   std::vector<std::uint16_t> person;  // the person image, with room for the whole frame and its border
+  std::vector<std::uint8_t> columns;  // [width], scratch
+  std::vector<TreeWalk> walks;        // one a tree
   std::vector<ClassifiedPixel> pixels;
+  std::vector<WalkStart> starts;      // of each pixel
+  std::vector<std::uint32_t> leaves;  // of each pixel, in the tree at hand
   PartVotes votes;
 
   [[nodiscard]] int stride() const noexcept {
@@ -128,37 +123,15 @@ std::size_t PartClassifier::State::sample_pixels(const PersonImage& image, const
 
 void PartClassifier::State::classify(const PersonImage& image, const Box& box, std::size_t count) noexcept {
   const FixedFocal focal = fixed_focal(intrinsics.focal_x_px, intrinsics.focal_y_px);
-  const auto trees = forest->trees();
-  std::array<Walker, kInterleave> block;
-  for (std::size_t begin = 0; begin < count; begin += kInterleave) {
-    const std::size_t size = std::min(kInterleave, count - begin);
-    const auto walkers = std::span(block).first(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      const ClassifiedPixel& pixel = pixels[begin + i];
-      walkers[i].u = pixel.u - box.left + 1;
-      walkers[i].v = pixel.v - box.top + 1;
-      walkers[i].scale = probe_scale(focal, image.depth_mm[walkers[i].v * image.width + walkers[i].u]);
-    }
-    for (std::size_t t = 0; t < trees.size(); ++t) {
-      walk(trees[t], image, walkers);
-      for (std::size_t i = 0; i < size; ++i) {
-        pixels[begin + i].leaves[t] = &trees[t].leaves[static_cast<std::size_t>(~walkers[i].node)];
-      }
-    }
-    for (std::size_t i = 0; i < size; ++i) {
-      ClassifiedPixel& pixel = pixels[begin + i];
-      std::array<std::uint16_t, 32> sum{};
-      for (std::size_t t = 0; t < trees.size(); ++t) {
-        for (std::size_t part = 0; part < sum.size(); ++part) {
-          sum[part] = static_cast<std::uint16_t>(sum[part] + pixel.leaves[t]->probability[part]);
-        }
-      }
-      const auto tree_count = static_cast<std::uint32_t>(trees.size());
-      const std::uint32_t reciprocal = (65536 + tree_count - 1) / tree_count;
-      for (std::size_t part = 0; part < sum.size(); ++part) {
-        pixel.probability[part] = static_cast<std::uint8_t>((sum[part] * reciprocal) >> 16U);
-      }
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    const int u = pixels[i].u - box.left + 1;
+    const int v = pixels[i].v - box.top + 1;
+    starts[i] = {u, v, probe_scale(focal, image.depth_mm[v * image.width + u])};
+  }
+  for (std::size_t t = 0; t < walks.size(); ++t) {
+    walks[t].find_leaves(image, std::span(starts).first(count), leaves);
+    const Leaf* const tree_leaves = forest->trees()[t].leaves.data();
+    for (std::size_t i = 0; i < count; ++i) pixels[i].leaves[t] = tree_leaves + leaves[i];
   }
 }
 
@@ -166,6 +139,7 @@ PartClassifier::PartClassifier(std::shared_ptr<const Forest> forest, const Class
     : state_(std::make_unique<State>()) {
   state_->forest = std::move(forest);
   state_->options = options;
+  for (const Tree& tree : state_->forest->trees()) state_->walks.emplace_back(tree);
 }
 PartClassifier::~PartClassifier() = default;
 PartClassifier::PartClassifier(PartClassifier&&) noexcept = default;
@@ -178,7 +152,11 @@ void PartClassifier::reset(const Intrinsics& intrinsics) {
   const auto height = static_cast<std::size_t>(intrinsics.height);
   const auto step = static_cast<std::size_t>(s.stride());
   s.person.assign((width + 2) * (height + 2), kBackgroundDepth_mm);
-  s.pixels.assign((width / step + 1) * (height / step + 1), {});
+  s.columns.assign(width, 0);
+  const std::size_t samples = (width / step + 1) * (height / step + 1);
+  s.pixels.assign(samples, {});
+  s.starts.assign(samples, {});
+  s.leaves.assign(samples, 0);
   s.votes = {{}, s.stride()};
 }
 
@@ -187,7 +165,7 @@ const PartVotes& PartClassifier::classify(DepthView frame, std::span<const std::
   State& s = *state_;
   s.votes.pixels = {};
   if (frame.intrinsics != s.intrinsics || user_of_pixel.size() != frame.depth_mm.size() || user == 0) return s.votes;
-  const Box box = bounding_box(user_of_pixel, user, frame.width(), frame.height());
+  const Box box = bounding_box(user_of_pixel, user, frame.height(), s.columns);
   if (box.bottom == 0) return s.votes;
   const PersonImage image = s.cut_out(frame, user_of_pixel, user, box);
   const std::size_t count = s.sample_pixels(image, box);

@@ -17,7 +17,6 @@ struct ClassifiedPixel {
   std::uint16_t u = 0, v = 0;                       ///< column and row
   Eigen::Vector3f point = Eigen::Vector3f::Zero();  ///< on the surface, metres, camera frame
   float area_m2 = 0;                                ///< of the fronto-parallel patch that this sample stands for
-  std::array<std::uint8_t, 32> probability{};       ///< of each PartLabel, in 255ths, mean over the trees
   std::array<const Leaf*, kMaxTrees> leaves{};      ///< where it ended in each tree; nullptr beyond the last tree
 };
 
@@ -31,6 +30,8 @@ struct ClassifierOptions {
   int stride = 0;  ///< pixels between samples, both ways; 0: one sample per 160th of the image's width
 };
 
+/// The probability of a part at a pixel, in 255ths: the mean over the trees.
+[[nodiscard]] int part_probability(const ClassifiedPixel& pixel, PartLabel part) noexcept;
 /// The most likely label of a pixel; the first of equals.
 [[nodiscard]] PartLabel most_likely_part(const ClassifiedPixel& pixel) noexcept;
 

@@ -50,7 +50,7 @@ Eigen::Vector3f torso_centre(const PartVotes& votes, const Eigen::Vector3f& tors
   float mass = 0;
   for (const ClassifiedPixel& pixel : votes.pixels) {
     int share = 0;
-    for (const PartLabel part : kTorsoParts) share += pixel.probability[index(part)];
+    for (const PartLabel part : kTorsoParts) share += part_probability(pixel, part);
     const float inside = 1 - (pixel.point - torso).squaredNorm() / (kTorsoRadius_m * kTorsoRadius_m);
     if (share == 0 || inside <= 0) continue;
     const float w = pixel.area_m2 * static_cast<float>(share) * inside;
