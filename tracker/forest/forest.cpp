@@ -6,17 +6,6 @@
 namespace armature {
 namespace {
 
-constexpr std::array<float, 256> make_vote_weights() {
-  std::array<float, 256> weights{};
-  double weight = 1;
-  for (float& w : weights) {
-    w = static_cast<float>(weight);
-    weight *= 0.95760328069857364694;  // 2^(-1/16)
-  }
-  return weights;
-}
-constexpr std::array<float, 256> kVoteWeights = make_vote_weights();
-
 std::string place(std::size_t tree, const char* what, std::size_t i) {
   return "tree " + std::to_string(tree) + ", " + what + " " + std::to_string(i) + ": ";
 }
@@ -56,10 +45,6 @@ Expected<void> check(const Tree& tree, std::size_t t) {
 }
 
 }  // namespace
-
-float vote_weight(std::uint8_t code) noexcept {
-  return kVoteWeights[code];
-}
 
 std::uint8_t vote_weight_code(float weight) noexcept {
   const auto* const found =

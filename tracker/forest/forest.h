@@ -35,12 +35,23 @@ inline constexpr int kVotesPerLeaf = 8;
 
 /// What the training pixels that ended in this leaf were.
 struct Leaf {
-  std::array<std::uint8_t, 32> probability{};   ///< of each PartLabel, in 255ths; the last is unused and zero
   std::array<LeafVote, kVotesPerLeaf> votes{};  ///< strongest first
+  std::array<std::uint8_t, 32> probability{};   ///< of each PartLabel, in 255ths; the last is unused and zero
 };
 
+inline constexpr std::array<float, 256> kVoteWeights = [] {
+  std::array<float, 256> weights{};
+  double weight = 1;
+  for (float& w : weights) {
+    w = static_cast<float>(weight);
+    weight *= 0.95760328069857364694;  // 2^(-1/16)
+  }
+  return weights;
+}();
 /// A vote's weight in (0, 1]: 1 for code 0, halved every 16 codes.
-[[nodiscard]] float vote_weight(std::uint8_t code) noexcept;
+[[nodiscard]] inline float vote_weight(std::uint8_t code) noexcept {
+  return kVoteWeights[code];
+}
 /// The code whose weight is nearest below `weight`.
 [[nodiscard]] std::uint8_t vote_weight_code(float weight) noexcept;
 

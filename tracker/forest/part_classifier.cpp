@@ -131,7 +131,12 @@ void PartClassifier::State::classify(const PersonImage& image, const Box& box, s
   for (std::size_t t = 0; t < walks.size(); ++t) {
     walks[t].find_leaves(image, std::span(starts).first(count), leaves);
     const Leaf* const tree_leaves = forest->trees()[t].leaves.data();
-    for (std::size_t i = 0; i < count; ++i) pixels[i].leaves[t] = tree_leaves + leaves[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      pixels[i].leaves[t] = tree_leaves + leaves[i];
+      // Two cache lines that will soon be read.
+      __builtin_prefetch(pixels[i].leaves[t]->votes.data());
+      __builtin_prefetch(&pixels[i].leaves[t]->probability.back());
+    }
   }
 }
 

@@ -35,24 +35,27 @@ constexpr std::array<JointId, kJointCount> kOrder = [] {
       RightHand,    RightHip,  RightThigh,  RightKnee,     RightAnkle,    RightFoot};
 }();
 
-constexpr std::array<PartLabel, 6> kTorsoParts = {PartLabel::LeftClavicle, PartLabel::RightClavicle,
-                                                  PartLabel::LeftWaist,    PartLabel::RightWaist,
-                                                  PartLabel::LeftHip,      PartLabel::RightHip};
-
 float tree_count(const PartVotes& votes) noexcept {
   const auto& leaves = votes.pixels.front().leaves;
   return static_cast<float>(std::find(leaves.begin(), leaves.end(), nullptr) - leaves.begin());
 }
+
+constexpr std::array<PartLabel, 6> kTorsoParts = {PartLabel::LeftClavicle, PartLabel::RightClavicle,
+                                                  PartLabel::LeftWaist,    PartLabel::RightWaist,
+                                                  PartLabel::LeftHip,      PartLabel::RightHip};
 
 /// The centre of mass of the torso's visible surface near `torso`.
 Eigen::Vector3f torso_centre(const PartVotes& votes, const Eigen::Vector3f& torso) noexcept {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   float mass = 0;
   for (const ClassifiedPixel& pixel : votes.pixels) {
-    int share = 0;
-    for (const PartLabel part : kTorsoParts) share += part_probability(pixel, part);
     const float inside = 1 - (pixel.point - torso).squaredNorm() / (kTorsoRadius_m * kTorsoRadius_m);
-    if (share == 0 || inside <= 0) continue;
+    if (inside <= 0) continue;
+    int share = 0;
+    for (const Leaf* leaf : pixel.leaves) {
+      if (leaf == nullptr) break;
+      for (const PartLabel part : kTorsoParts) share += leaf->probability[index(part)];
+    }
     const float w = pixel.area_m2 * static_cast<float>(share) * inside;
     sum += w * (pixel.point - torso);
     mass += w;
@@ -74,32 +77,41 @@ struct JointEstimator::State {
 };
 
 void JointEstimator::State::collect(const PartVotes& votes) noexcept {
-  std::array<std::uint32_t, kJointCount> count{};
-  const auto for_each_vote = [&](const auto& use) {
+  const auto for_each_leaf = [&](const auto& use) {
     for (const ClassifiedPixel& pixel : votes.pixels) {
       for (const Leaf* leaf : pixel.leaves) {
         if (leaf == nullptr) break;
-        for (const LeafVote& vote : leaf->votes) {
-          if (vote.joint == LeafVote::kNone) break;
-          use(pixel, vote);
-        }
+        use(pixel, *leaf);
       }
     }
   };
-  for_each_vote([&](const ClassifiedPixel&, const LeafVote& vote) { ++count[vote.joint]; });
+  std::array<std::uint32_t, LeafVote::kNone + 1> count{};
+  for_each_leaf([&](const ClassifiedPixel&, const Leaf& leaf) {
+    for (const LeafVote& vote : leaf.votes) ++count[vote.joint];
+  });
   // Where there are too many votes, every n-th stands for n.
-  std::array<std::uint32_t, kJointCount> every{};
-  std::array<std::uint32_t, kJointCount> skip{};
+  struct Thinning {
+    std::uint32_t every = 0;
+    std::uint32_t wait = 0;  // votes that pass until the next one counts
+  };
+  std::array<Thinning, kJointCount> thinning;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    every[j] = (count[j] + kMaxVotes - 1) / static_cast<std::uint32_t>(kMaxVotes);
+    thinning[j].every = (count[j] + kMaxVotes - 1) / static_cast<std::uint32_t>(kMaxVotes);
     clouds[j].clear();
   }
-  for_each_vote([&](const ClassifiedPixel& pixel, const LeafVote& vote) {
-    const std::size_t j = vote.joint;
-    if (skip[j]++ % every[j] != 0) return;
-    const Eigen::Vector3f offset(vote.offset[0], vote.offset[1], vote.offset[2]);
-    clouds[j].add(pixel.point + LeafVote::kUnit_m * offset,
-                  pixel.area_m2 * vote_weight(vote.weight_code) * static_cast<float>(every[j]));
+  for_each_leaf([&](const ClassifiedPixel& pixel, const Leaf& leaf) {
+    for (const LeafVote& vote : leaf.votes) {
+      if (vote.joint == LeafVote::kNone) break;
+      Thinning& thin = thinning[vote.joint];
+      if (thin.wait != 0) {
+        --thin.wait;
+        continue;
+      }
+      thin.wait = thin.every - 1;
+      const Eigen::Vector3f offset(vote.offset[0], vote.offset[1], vote.offset[2]);
+      clouds[vote.joint].add(pixel.point + LeafVote::kUnit_m * offset,
+                             pixel.area_m2 * vote_weight(vote.weight_code) * static_cast<float>(thin.every));
+    }
   });
   for (VoteCloud& cloud : clouds) cloud.finish();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cassert>
 #include <cstddef>
 #include <vector>
 
@@ -20,12 +22,21 @@ class VoteCloud {
   explicit VoteCloud(std::size_t capacity);
 
   void clear() noexcept { size_ = 0; }
-  void add(const Eigen::Vector3f& position, float weight) noexcept;
+  void add(const Eigen::Vector3f& position, float weight) noexcept {
+    assert(size_ < capacity_);
+    Block& block = blocks_[size_ / kLanes];
+    const std::size_t lane = size_ % kLanes;
+    block.x[lane] = position.x();
+    block.y[lane] = position.y();
+    block.z[lane] = position.z();
+    block.weight[lane] = weight;
+    ++size_;
+  }
   /// After the last add(), before anything below.
   void finish() noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  [[nodiscard]] std::size_t capacity() const noexcept { return x_.size() - kLanes; }
+  [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
   [[nodiscard]] float total_weight() const noexcept { return total_weight_; }
   [[nodiscard]] const Eigen::Vector3f& mean() const noexcept { return mean_; }
 
@@ -33,10 +44,15 @@ class VoteCloud {
   /// a millimetre. Where no vote is within the radius, the result is `start` with no mass.
   [[nodiscard]] VoteMode mode_near(const Eigen::Vector3f& start, float radius_m, int max_steps) const noexcept;
 
- private:
   /// Sums run in this many lanes, in a fixed order: fast without a compiler's leave to reorder them.
   static constexpr std::size_t kLanes = 8;
-  std::vector<float> x_, y_, z_, weight_;
+  struct Block {
+    std::array<float, kLanes> x, y, z, weight;
+  };
+
+ private:
+  std::vector<Block> blocks_;
+  std::size_t capacity_ = 0;
   std::size_t size_ = 0;
   float total_weight_ = 0;
   Eigen::Vector3f mean_ = Eigen::Vector3f::Zero();
