@@ -6,7 +6,6 @@
 namespace armature {
 namespace {
 
-constexpr int kKnown = 15;       ///< frames that make a surface background where nothing was known
 constexpr int kKnownEmpty = 90;  ///< the same for the absence of any return: shadows are empty too
 constexpr int kFarther = 3;      ///< frames until something farther is believed
 constexpr int kNearer = 300;     ///< frames until something nearer is believed
@@ -17,20 +16,9 @@ constexpr float kLearningRate = 0.05F;
 constexpr float kMovedShare = 0.25F;
 constexpr int kMovedFrames = 5;
 
-/// How far two measurements of one surface lie apart at most, 1/m.
-constexpr float tolerance(float inverse_depth) noexcept {
-  return 2.5F * kDisparityStep + 0.02F * inverse_depth;
-}
-
 }  // namespace
 
 BackgroundModel::BackgroundModel(int cells) : entries_(static_cast<std::size_t>(cells)) {}
-
-BackgroundModel::Cell BackgroundModel::classify(int cell, float w) const noexcept {
-  const Entry& e = entries_[static_cast<std::size_t>(cell)];
-  if (w <= 0 || e.seen < kKnown) return Cell::Unknown;
-  return w > e.inverse_depth + tolerance(e.inverse_depth) ? Cell::Foreground : Cell::Background;
-}
 
 void BackgroundModel::learn(const DepthGrid& grid, std::span<const Cover> cover) noexcept {
   std::size_t farther = 0;

@@ -25,12 +25,21 @@ class BackgroundModel {
   explicit BackgroundModel(int cells);
 
   /// What a cell of this frame shows. A cell without a return is Unknown.
-  [[nodiscard]] Cell classify(int cell, float inverse_depth) const noexcept;
+  [[nodiscard]] Cell classify(std::size_t cell, float inverse_depth) const noexcept {
+    const Entry& e = entries_[cell];
+    if (inverse_depth <= 0 || e.seen < kKnown) return Cell::Unknown;
+    return inverse_depth > e.inverse_depth + tolerance(e.inverse_depth) ? Cell::Foreground : Cell::Background;
+  }
 
   /// Learns from a frame, never from the cells of users.
   void learn(const DepthGrid& grid, std::span<const Cover> cover) noexcept;
 
  private:
+  static constexpr int kKnown = 15;  ///< frames that make a surface background where nothing was known
+  /// How far two measurements of one surface lie apart at most, 1/m.
+  [[nodiscard]] static constexpr float tolerance(float inverse_depth) noexcept {
+    return 2.5F * kDisparityStep + 0.02F * inverse_depth;
+  }
   struct Entry {
     float inverse_depth = 0;  ///< 0 = nothing within the sensor's range
     float candidate = 0;      ///< another surface that might be taking its place

@@ -42,28 +42,22 @@ void ComponentFinder::join(int a, int b) noexcept {
 
 void ComponentFinder::find(const DepthGrid& grid, std::span<const std::uint8_t> kind,
                            const Eigen::Vector3f& up) noexcept {
-  mark_edges(grid);
   link(grid, kind);
-  rank();
+  rank(grid, kind);
   measure(grid, kind, up);
   touch(grid);
 }
 
-void ComponentFinder::mark_edges(const DepthGrid& grid) noexcept {
+ComponentFinder::Edge ComponentFinder::edge(const DepthGrid& grid, int x, int i) noexcept {
   const auto& z = grid.depth;
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x) {
-      const int i = y * grid.width + x;
-      edges_[at(i)] = Edge::None;
-      if (x == 0 || x + 1 == grid.width || z[at(i)] <= 0 || z[at(i - 1)] <= 0 || z[at(i + 1)] <= 0) continue;
-      const float to_right = z[at(i + 1)] - z[at(i)];
-      const float to_left = z[at(i)] - z[at(i - 1)];
-      const float tolerance = continuity_tolerance(z[at(i)]);
-      if (std::abs(to_right + to_left) < kEdgeSteps * tolerance) continue;
-      if (std::min(to_right, to_left) > 0) edges_[at(i)] = Edge::FarRight;
-      if (std::max(to_right, to_left) < 0) edges_[at(i)] = Edge::FarLeft;
-    }
-  }
+  if (x == 0 || x + 1 == grid.width || z[at(i)] <= 0 || z[at(i - 1)] <= 0 || z[at(i + 1)] <= 0) return Edge::None;
+  const float to_right = z[at(i + 1)] - z[at(i)];
+  const float to_left = z[at(i)] - z[at(i - 1)];
+  const float tolerance = continuity_tolerance(z[at(i)]);
+  if (std::abs(to_right + to_left) < kEdgeSteps * tolerance) return Edge::None;
+  if (std::max(to_right, to_left) < 0) return Edge::FarLeft;
+  if (std::min(to_right, to_left) > 0) return Edge::FarRight;
+  return Edge::None;
 }
 
 void ComponentFinder::link(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept {
@@ -72,50 +66,48 @@ void ComponentFinder::link(const DepthGrid& grid, std::span<const std::uint8_t> 
     return std::abs(z[at(a)] - z[at(b)]) < continuity_tolerance(std::min(z[at(a)], z[at(b)]));
   };
   const int w = grid.width;
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const int i = y * w + x;
-      parent_[at(i)] = i;
-      if (kind[at(i)] == 0) continue;
-      // Neighbours across a hole count as neighbours.
-      for (int step = 1; step <= std::min(x, kHoleCells + 1); ++step) {
-        if (kind[at(i - step)] != 0) {
-          const bool leaves = edges_[at(i)] == Edge::FarLeft || edges_[at(i - step)] == Edge::FarRight;
-          if (!leaves && same_surface(i, i - step)) join(i, i - step);
-          break;
-        }
-        if (z[at(i - step)] > 0) break;
+  for_each_marked(grid, kind, [&](int x, int y, std::size_t cell) {
+    const int i = static_cast<int>(cell);
+    parent_[cell] = i;
+    cells_of_root_[cell] = 0;
+    edges_[cell] = edge(grid, x, i);
+    // Neighbours across a hole count as neighbours.
+    for (int step = 1; step <= std::min(x, kHoleCells + 1); ++step) {
+      if (kind[at(i - step)] != 0) {
+        const bool leaves = edges_[at(i)] == Edge::FarLeft || edges_[at(i - step)] == Edge::FarRight;
+        if (!leaves && same_surface(i, i - step)) join(i, i - step);
+        break;
       }
-      for (int step = 1; step <= std::min(y, kHoleCells + 1); ++step) {
-        if (kind[at(i - step * w)] != 0) {
-          if (edges_[at(i)] == edges_[at(i - step * w)] && same_surface(i, i - step * w)) join(i, i - step * w);
-          break;
-        }
-        if (z[at(i - step * w)] > 0) break;
-      }
-      if (y == 0 || edges_[at(i)] != Edge::None) continue;
-      const auto diagonal = [&](int j) {
-        if (kind[at(j)] != 0 && edges_[at(j)] == Edge::None && same_surface(i, j)) join(i, j);
-      };
-      if (x > 0) diagonal(i - w - 1);
-      if (x + 1 < w) diagonal(i - w + 1);
+      if (z[at(i - step)] > 0) break;
     }
-  }
-  std::ranges::fill(cells_of_root_, 0);
-  for (int i = 0; i < grid.size(); ++i)
-    if (kind[at(i)] != 0) ++cells_of_root_[at(root(i))];
+    for (int step = 1; step <= std::min(y, kHoleCells + 1); ++step) {
+      if (kind[at(i - step * w)] != 0) {
+        if (edges_[at(i)] == edges_[at(i - step * w)] && same_surface(i, i - step * w)) join(i, i - step * w);
+        break;
+      }
+      if (z[at(i - step * w)] > 0) break;
+    }
+    if (y == 0 || edges_[at(i)] != Edge::None) return;
+    const auto diagonal = [&](int j) {
+      if (kind[at(j)] != 0 && edges_[at(j)] == Edge::None && same_surface(i, j)) join(i, j);
+    };
+    if (x > 0) diagonal(i - w - 1);
+    if (x + 1 < w) diagonal(i - w + 1);
+  });
+  for_each_marked(grid, kind, [&](int, int, std::size_t cell) { ++cells_of_root_[at(root(static_cast<int>(cell)))]; });
 }
 
-void ComponentFinder::rank() noexcept {
+void ComponentFinder::rank(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept {
   sizes_.clear();
-  for (int i = 0; i < static_cast<int>(cells_of_root_.size()); ++i)
-    if (cells_of_root_[at(i)] >= kMinCells) sizes_.push_back({i, cells_of_root_[at(i)]});
+  for_each_marked(grid, kind, [&](int, int, std::size_t cell) {
+    label_of_root_[cell] = 0;
+    if (cells_of_root_[cell] >= kMinCells) sizes_.push_back({static_cast<int>(cell), cells_of_root_[cell]});
+  });
   count_ = std::min(sizes_.size(), kMaxComponents);
   const auto kept = sizes_.begin() + static_cast<std::ptrdiff_t>(count_);
   std::partial_sort(sizes_.begin(), kept, sizes_.end(), [](const Size& a, const Size& b) {
     return a.cells != b.cells ? a.cells > b.cells : a.root < b.root;
   });
-  std::ranges::fill(label_of_root_, std::uint8_t{0});
   for (std::size_t c = 0; c < count_; ++c) label_of_root_[at(sizes_[c].root)] = static_cast<std::uint8_t>(c + 1);
 }
 
@@ -127,29 +119,28 @@ void ComponentFinder::measure(const DepthGrid& grid, std::span<const std::uint8_
     found_[c].left = found_[c].near = found_[c].lowest = kFar;
     found_[c].right = found_[c].far = found_[c].highest = -kFar;
   }
-  for (int y = 0, i = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x, ++i) {
-      labels_[at(i)] = kind[at(i)] == 0 ? std::uint8_t{0} : label_of_root_[at(root(i))];
-      if (labels_[at(i)] == 0) continue;
-      Component& c = found_[labels_[at(i)] - std::size_t{1}];
-      const float z = grid.depth[at(i)];
-      const Eigen::Vector3f p(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
-      const float height = up.dot(p);
-      ++c.cells;
-      c.foreground_cells += kind[at(i)] == 2;
-      c.area += grid.area(z);
-      c.centre += p;
-      c.left = std::min(c.left, p.x());
-      c.right = std::max(c.right, p.x());
-      c.near = std::min(c.near, z);
-      c.far = std::max(c.far, z);
-      c.lowest = std::min(c.lowest, height);
-      c.highest = std::max(c.highest, height);
-      c.cut_above |= y == 0;
-      c.cut_below |= y == grid.height - 1;
-      c.cut_aside |= x == 0 || x == grid.width - 1;
-    }
-  }
+  std::ranges::fill(labels_, std::uint8_t{0});
+  for_each_marked(grid, kind, [&](int x, int y, std::size_t cell) {
+    labels_[cell] = label_of_root_[at(root(static_cast<int>(cell)))];
+    if (labels_[cell] == 0) return;
+    Component& c = found_[labels_[cell] - std::size_t{1}];
+    const float z = grid.depth[cell];
+    const Eigen::Vector3f p(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
+    const float height = up.dot(p);
+    ++c.cells;
+    c.foreground_cells += kind[cell] == 2;
+    c.area += grid.area(z);
+    c.centre += p;
+    c.left = std::min(c.left, p.x());
+    c.right = std::max(c.right, p.x());
+    c.near = std::min(c.near, z);
+    c.far = std::max(c.far, z);
+    c.lowest = std::min(c.lowest, height);
+    c.highest = std::max(c.highest, height);
+    c.cut_above |= y == 0;
+    c.cut_below |= y == grid.height - 1;
+    c.cut_aside |= x == 0 || x == grid.width - 1;
+  });
   for (std::size_t c = 0; c < count_; ++c) found_[c].centre /= static_cast<float>(found_[c].cells);
 }
 
@@ -166,24 +157,21 @@ void ComponentFinder::touch(const DepthGrid& grid) noexcept {
     }
   };
   const int w = grid.width;
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const int i = y * w + x;
-      if (labels_[at(i)] == 0) continue;
-      for (int step = 1; step <= std::min(x, kContactCells); ++step) {
-        if (labels_[at(i - step)] != 0) {
-          meet(i, i - step);
-          break;
-        }
-      }
-      for (int step = 1; step <= std::min(y, kContactCells); ++step) {
-        if (labels_[at(i - step * w)] != 0) {
-          meet(i, i - step * w);
-          break;
-        }
+  for_each_marked(grid, labels_, [&](int x, int y, std::size_t cell) {
+    const int i = static_cast<int>(cell);
+    for (int step = 1; step <= std::min(x, kContactCells); ++step) {
+      if (labels_[at(i - step)] != 0) {
+        meet(i, i - step);
+        break;
       }
     }
-  }
+    for (int step = 1; step <= std::min(y, kContactCells); ++step) {
+      if (labels_[at(i - step * w)] != 0) {
+        meet(i, i - step * w);
+        break;
+      }
+    }
+  });
 }
 
 }  // namespace armature

@@ -52,26 +52,27 @@ class ComponentFinder {
   }
 
  private:
-  [[nodiscard]] int root(int cell) noexcept;
-  void join(int a, int b) noexcept;
-  void mark_edges(const DepthGrid& grid) noexcept;
-  void link(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept;
-  void rank() noexcept;
-  void measure(const DepthGrid& grid, std::span<const std::uint8_t> kind, const Eigen::Vector3f& up) noexcept;
-  void touch(const DepthGrid& grid) noexcept;
-
   /// A cell between a near and a far surface (a flying pixel) hangs on to the near one.
   enum class Edge : std::uint8_t { None, FarLeft, FarRight };
+
+  [[nodiscard]] static Edge edge(const DepthGrid& grid, int x, int cell) noexcept;
+  [[nodiscard]] int root(int cell) noexcept;
+  void join(int a, int b) noexcept;
+  void link(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept;
+  void rank(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept;
+  void measure(const DepthGrid& grid, std::span<const std::uint8_t> kind, const Eigen::Vector3f& up) noexcept;
+  void touch(const DepthGrid& grid) noexcept;
 
   struct Size {
     int root;
     int cells;
   };
+  // By cell; only those of cells that are looked at are of this frame.
   std::vector<Edge> edges_;
   std::vector<int> parent_;
   std::vector<int> cells_of_root_;
-  std::vector<Size> sizes_;
   std::vector<std::uint8_t> label_of_root_;
+  std::vector<Size> sizes_;
   std::vector<std::uint8_t> labels_;
   std::array<Component, kMaxComponents> found_{};
   std::array<Contact, kMaxComponents * kMaxComponents> contacts_{};

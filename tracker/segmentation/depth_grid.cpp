@@ -51,10 +51,14 @@ void sample(DepthView frame, DepthGrid& grid) noexcept {
         if (mm == 0) mm = frame.at(u, std::max(v - 1, 0));
         if (mm == 0) mm = frame.at(std::max(u - 1, 0), std::max(v - 1, 0));
       }
-      const float z = 1e-3F * static_cast<float>(mm);
-      grid.depth[cell] = z;
-      grid.inverse_depth[cell] = mm == 0 ? 0.0F : 1.0F / z;
+      grid.depth[cell] = 1e-3F * static_cast<float>(mm);
     }
+  }
+  // Apart from the above and free of branches, so that it runs in vector registers.
+  for (cell = 0; cell < grid.depth.size(); ++cell) {
+    const float z = grid.depth[cell];
+    const float inverse = 1.0F / (z > 0 ? z : 1.0F);
+    grid.inverse_depth[cell] = z > 0 ? inverse : 0.0F;
   }
 }
 

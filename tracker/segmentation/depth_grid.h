@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -40,6 +42,27 @@ struct DepthGrid {
 
 /// Fills the grid from an image of the size it was made for. Realtime-safe: yes.
 void sample(DepthView frame, DepthGrid& grid) noexcept;
+
+/// Calls use(x, y, cell) for the cells of [height][width] with a non-zero mark, row by row. Few are marked, as a rule:
+/// what is not is passed over eight at a time.
+template <typename Use>
+void for_each_marked(const DepthGrid& grid, std::span<const std::uint8_t> marks, const Use& use) {
+  const auto width = static_cast<std::size_t>(grid.width);
+  for (int y = 0; y < grid.height; ++y) {
+    const std::size_t begin = static_cast<std::size_t>(y) * width;
+    for (std::size_t i = begin; i < begin + width;) {
+      std::uint64_t eight = 1;
+      if (i + sizeof eight <= begin + width) std::memcpy(&eight, &marks[i], sizeof eight);
+      if (eight == 0) {
+        i += sizeof eight;
+        continue;
+      }
+      for (const std::size_t end = std::min(i + sizeof eight, begin + width); i < end; ++i) {
+        if (marks[i] != 0) use(static_cast<int>(i - begin), y, i);
+      }
+    }
+  }
+}
 
 /// By how much the depth of neighbouring cells of one surface may differ, metres. Structured light measures disparity:
 /// its noise grows with the square of the distance.

@@ -79,10 +79,11 @@ PlaneFinder::PlaneFinder(int max_cells) {
 
 void PlaneFinder::update(const DepthGrid& grid, std::span<const std::uint8_t> users) noexcept {
   random_state_ = 0x9E3779B9U;
-  collect(grid, users);
   const bool search = frame_ < kEagerFrames || frame_ % kSearchPeriod == 0;
-  if (floor_ && (floor_age_ < kSettledFrames || frame_ % kFollowPeriod == 0)) follow_floor();
-  if (!floor_ || search) find_floor();
+  const bool follow = floor_ && (floor_age_ < kSettledFrames || frame_ % kFollowPeriod == 0);
+  if (search || follow || !floor_) collect(grid, users);
+  if (follow) follow_floor();
+  if (search || !floor_) find_floor();
   if (search) find_walls();
   if (frame_ < 1 << 30) ++frame_;
 }

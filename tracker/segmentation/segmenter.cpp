@@ -87,12 +87,13 @@ const Segmentation& Segmenter::process(DepthView frame) noexcept {
   state.find_candidates();
   stages.components.find(stages.grid, stages.kind, state.result.up);
   stages.tracker.update(stages.grid, stages.components, state.result.floor);
-  for (std::size_t i = 0; i < stages.cover.size(); ++i) {
-    using Cover = BackgroundModel::Cover;
-    stages.cover[i] = stages.tracker.dismissed(i)       ? Cover::Furniture
-                      : stages.tracker.owners()[i] != 0 ? Cover::User
-                                                        : Cover::Nobody;
-  }
+  using Cover = BackgroundModel::Cover;
+  std::ranges::fill(stages.cover, Cover::Nobody);
+  const auto mark = [&](Cover cover) {
+    return [&stages, cover](int, int, std::size_t cell) { stages.cover[cell] = cover; };
+  };
+  for_each_marked(stages.grid, stages.tracker.owners(), mark(Cover::User));
+  for_each_marked(stages.grid, stages.tracker.dismissed(), mark(Cover::Furniture));
   stages.background.learn(stages.grid, stages.cover);
   state.publish(frame);
   return state.result;
@@ -101,23 +102,27 @@ const Segmentation& Segmenter::process(DepthView frame) noexcept {
 void Segmenter::State::find_candidates() noexcept {
   const DepthGrid& grid = stages->grid;
   const std::optional<FloorShadow> shadow = floor_shadow();
+  const std::span<const float> depth = grid.depth;
+  const std::span<const float> inverse_depth = grid.inverse_depth;
+  const std::span<std::uint8_t> kind = stages->kind;
+  const BackgroundModel& background = stages->background;
   std::size_t i = 0;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x, ++i) {
-      stages->kind[i] = 0;
-      const float z = grid.depth[i];
+      kind[i] = 0;
+      const float z = depth[i];
       if (z <= 0 || z < options.near_m || z > options.far_m) continue;
-      const float w = grid.inverse_depth[i];
+      const float w = inverse_depth[i];
+      const auto cell = background.classify(i, w);
+      if (cell == BackgroundModel::Cell::Background) continue;
       const float ray_x = grid.ray_x[static_cast<std::size_t>(x)];
       const float ray_y = grid.ray_y[static_cast<std::size_t>(y)];
       if (shadow && shadow->covers(ray_x, ray_y, w)) continue;
-      const auto cell = stages->background.classify(static_cast<int>(i), w);
-      if (cell == BackgroundModel::Cell::Background) continue;
       const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
         return std::abs(wall.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
       });
       if (on_wall && cell == BackgroundModel::Cell::Unknown && !stages->tracker.still_user(i, z)) continue;
-      stages->kind[i] = cell == BackgroundModel::Cell::Foreground ? 2 : 1;
+      kind[i] = cell == BackgroundModel::Cell::Foreground ? 2 : 1;
     }
   }
 }

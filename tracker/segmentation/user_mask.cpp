@@ -16,27 +16,32 @@ std::size_t at(int i) noexcept {
 struct Neighbourhood {
   std::array<std::uint8_t, 9> owner{};
   std::array<float, 9> depth_mm{};
-  bool one_surface = false;  ///< all nine belong to one user
 };
 
 Neighbourhood neighbourhood(const MaskInput& input, int x, int y) noexcept {
   const DepthGrid& grid = input.grid;
   Neighbourhood around;
-  bool same = true;
   for (int dy = -1, k = 0; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx, ++k) {
-      if (y + dy < 0 || y + dy >= grid.height || x + dx < 0 || x + dx >= grid.width) {
-        same = false;
-        continue;
-      }
+      if (y + dy < 0 || y + dy >= grid.height || x + dx < 0 || x + dx >= grid.width) continue;
       const auto cell = at((y + dy) * grid.width + x + dx);
       around.owner[at(k)] = input.owners[cell];
       around.depth_mm[at(k)] = 1e3F * grid.depth[cell];
-      same &= around.owner[at(k)] == around.owner[0];
     }
   }
-  around.one_surface = same && around.owner[0] != 0;
   return around;
+}
+
+/// Whether a cell and the eight around it belong to one user.
+bool one_surface(const MaskInput& input, int x, int y) noexcept {
+  const DepthGrid& grid = input.grid;
+  if (x == 0 || y == 0 || x + 1 == grid.width || y + 1 == grid.height) return false;
+  const std::uint8_t* const middle = &input.owners[at(y * grid.width + x)];
+  bool same = *middle != 0;
+  for (const std::uint8_t* const row : {middle - grid.width, middle, middle + grid.width}) {
+    same &= row[-1] == *middle && row[0] == *middle && row[1] == *middle;
+  }
+  return same;
 }
 
 /// The pixels of one cell.
@@ -55,6 +60,31 @@ std::uint8_t owner_of(const Neighbourhood& around, float z_mm, int side_x, int s
     best = around.owner[at(k)];
   }
   return best;
+}
+
+/// Whether all pixels of a block have a depth within `reach_mm` of `depth_mm`.
+bool all_near(DepthView frame, const Block& block, float depth_mm, float reach_mm) noexcept {
+  bool near = true;
+  for (int v = block.top; v < block.bottom; ++v) {
+    const std::uint16_t* const row = &frame.depth_mm[at(v) * at(frame.width())];
+    for (int u = block.left; u < block.right; ++u) {
+      near &= row[u] != 0 && std::abs(static_cast<float>(row[u]) - depth_mm) < reach_mm;
+    }
+  }
+  return near;
+}
+
+/// Counts the pixels of a block as hers.
+void add(const Block& block, User& user) noexcept {
+  if (user.pixel_count == 0) {
+    user.left = block.left;
+    user.top = block.top;
+  }
+  user.pixel_count += (block.right - block.left) * (block.bottom - block.top);
+  user.left = std::min(user.left, block.left);
+  user.top = std::min(user.top, block.top);
+  user.right = std::max(user.right, block.right);
+  user.bottom = std::max(user.bottom, block.bottom);
 }
 
 /// Rows and columns of the grid in which there is somebody, and one more on each side; empty where there is nobody.
@@ -101,14 +131,24 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
     }
     for (int x = box.left; x < box.right; ++x) {
       if ((column[at(x)] | column[at(x + 1)] | column[at(x + 2)]) == 0) continue;
-      const Neighbourhood around = neighbourhood(input, x, y);
+      const auto cell = at(y * grid.width + x);
+      const bool same_user = one_surface(input, x, y);
       const Block block{x * s, y * s, std::min((x + 1) * s, k.width), std::min((y + 1) * s, k.height)};
       // Well above the floor the pixels need not be held against it one by one.
       const bool near_floor =
           input.floor != nullptr &&
-          (!around.one_surface ||
-           input.floor->covers(grid.ray_x[at(x)], grid.ray_y[at(y)], grid.inverse_depth[at(y * grid.width + x)], 4));
-      const float same_surface_mm = 1e3F * continuity_tolerance(1e-3F * around.depth_mm[4]);
+          (!same_user || input.floor->covers(grid.ray_x[at(x)], grid.ray_y[at(y)], grid.inverse_depth[cell], 4));
+      const float depth_mm = 1e3F * grid.depth[cell];
+      const float same_surface_mm = 1e3F * continuity_tolerance(1e-3F * depth_mm);
+      if (same_user && !near_floor && all_near(frame, block, depth_mm, same_surface_mm)) {
+        const std::size_t place = input.owners[cell] - std::size_t{1};
+        for (int v = block.top; v < block.bottom; ++v) {
+          std::fill_n(&mask[at(v) * at(k.width) + at(block.left)], block.right - block.left, input.ids[place]);
+        }
+        add(block, users[place]);
+        continue;
+      }
+      const Neighbourhood around = neighbourhood(input, x, y);
       for (int v = block.top; v < block.bottom; ++v) {
         const int side_y = v - block.top < half ? 0 : 6;
         const auto row = at(v) * at(k.width);
@@ -116,7 +156,7 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
           const std::uint16_t mm = frame.depth_mm[row + at(u)];
           if (mm == 0) continue;
           const auto z_mm = static_cast<float>(mm);
-          const bool inside = around.one_surface && std::abs(z_mm - around.depth_mm[4]) < same_surface_mm;
+          const bool inside = same_user && std::abs(z_mm - depth_mm) < same_surface_mm;
           const std::uint8_t owner =
               inside ? around.owner[4] : owner_of(around, z_mm, u - block.left < half ? 0 : 2, side_y);
           if (owner == 0) continue;
@@ -124,15 +164,7 @@ void draw_user_mask(DepthView frame, const MaskInput& input, std::span<std::uint
                                                 (static_cast<float>(v) - centre_y) * per_pixel_y, 1e3F / z_mm))
             continue;
           mask[row + at(u)] = input.ids[owner - std::size_t{1}];
-          User& user = users[owner - std::size_t{1}];
-          if (user.pixel_count++ == 0) {
-            user.left = u;
-            user.top = v;
-          }
-          user.left = std::min(user.left, u);
-          user.top = std::min(user.top, v);
-          user.right = std::max(user.right, u + 1);
-          user.bottom = std::max(user.bottom, v + 1);
+          add({u, v, u + 1, v + 1}, users[owner - std::size_t{1}]);
         }
       }
     }

@@ -74,13 +74,12 @@ bool UserTracker::in_zone(const Component& c, float margin) const noexcept {
 void UserTracker::count_overlaps(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept {
   for (auto& row : overlap_) row.fill(0);
   previous_cells_.fill(0);
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::uint8_t owner = previous_owners_[at(i)];
-    if (owner == kNobody) continue;
+  for_each_marked(grid, previous_owners_, [&](int, int, std::size_t i) {
+    const std::uint8_t owner = previous_owners_[i];
     ++previous_cells_[owner - std::size_t{1}];
-    if (labels[at(i)] == 0 || std::abs(grid.depth[at(i)] - previous_depth_[at(i)]) > kSameSurface) continue;
-    ++overlap_[labels[at(i)] - std::size_t{1}][owner - std::size_t{1}];
-  }
+    if (labels[i] == 0 || std::abs(grid.depth[i] - previous_depth_[i]) > kSameSurface) return;
+    ++overlap_[labels[i] - std::size_t{1}][owner - std::size_t{1}];
+  });
 }
 
 void UserTracker::keep(std::span<const Component> found) noexcept {
@@ -265,17 +264,17 @@ void UserTracker::attach(const ComponentFinder& components) noexcept {
 void UserTracker::share(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept {
   // Where users have met in one component, each keeps what was hers and they grow towards each other.
   queue_.clear();
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::uint8_t label = labels[at(i)];
-    std::uint8_t owner = label == 0 ? kNobody : owner_of_[label - std::size_t{1}];
+  std::ranges::fill(owners_, kNobody);
+  for_each_marked(grid, labels, [&](int, int, std::size_t i) {
+    std::uint8_t owner = owner_of_[labels[i] - std::size_t{1}];
     if (owner == kShared) {
-      const std::uint8_t was = previous_owners_[at(i)];
-      const bool still = was != kNobody && std::abs(grid.depth[at(i)] - previous_depth_[at(i)]) <= kSameSurface;
+      const std::uint8_t was = previous_owners_[i];
+      const bool still = was != kNobody && std::abs(grid.depth[i] - previous_depth_[i]) <= kSameSurface;
       owner = still ? was : kNobody;
-      if (still) queue_.push_back(i);
+      if (still) queue_.push_back(static_cast<int>(i));
     }
-    owners_[at(i)] = owner;
-  }
+    owners_[i] = owner;
+  });
   const int w = grid.width;
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const int i = queue_[head];
@@ -299,18 +298,14 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
   std::array<float, kMaxUsers> area{};
   std::array<int, kMaxUsers> changed{};
   sum.fill(Eigen::Vector3f::Zero());
-  for (int y = 0, i = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x, ++i) {
-      if (owners_[at(i)] == kNobody) continue;
-      const std::size_t t = owners_[at(i)] - std::size_t{1};
-      const float z = grid.depth[at(i)];
-      sum[t] += Eigen::Vector3f(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
-      area[t] += grid.area(z);
-      ++cells[t];
-      changed[t] +=
-          owners_at_birth_[at(i)] != owners_[at(i)] || std::abs(depth_at_birth_[at(i)] - z) > continuity_tolerance(z);
-    }
-  }
+  for_each_marked(grid, owners_, [&](int x, int y, std::size_t i) {
+    const std::size_t t = owners_[i] - std::size_t{1};
+    const float z = grid.depth[i];
+    sum[t] += Eigen::Vector3f(grid.ray_x[at(x)] * z, grid.ray_y[at(y)] * z, z);
+    area[t] += grid.area(z);
+    ++cells[t];
+    changed[t] += owners_at_birth_[i] != owners_[i] || std::abs(depth_at_birth_[i] - z) > continuity_tolerance(z);
+  });
   std::array<bool, kMaxUsers> gone{};
   for (std::size_t t = 0; t < kMaxUsers; ++t) {
     Track& track = tracks_[t];
@@ -335,12 +330,12 @@ void UserTracker::move(const DepthGrid& grid) noexcept {
 }
 
 void UserTracker::remember_birth(const DepthGrid& grid) noexcept {
-  for (std::size_t i = 0; i < owners_.size(); ++i) {
-    const std::uint8_t owner = owners_[i];
-    if (owner == kNobody || tracks_[owner - std::size_t{1}].age != 1) continue;
-    owners_at_birth_[i] = owner;
+  if (std::ranges::find(tracks_, 1, &Track::age) == tracks_.end()) return;
+  for_each_marked(grid, owners_, [&](int, int, std::size_t i) {
+    if (tracks_[owners_[i] - std::size_t{1}].age != 1) return;
+    owners_at_birth_[i] = owners_[i];
     depth_at_birth_[i] = grid.depth[i];
-  }
+  });
 }
 
 void UserTracker::dismiss_furniture() noexcept {

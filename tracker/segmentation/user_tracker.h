@@ -42,8 +42,8 @@ class UserTracker {
   [[nodiscard]] std::span<const std::uint8_t> owners() const noexcept { return owners_; }
   /// Whether a cell of the next frame still shows the surface of a user of the last one.
   [[nodiscard]] bool still_user(std::size_t cell, float depth) const noexcept;
-  /// Whether a cell belongs to what was dismissed as furniture in this frame, [height][width].
-  [[nodiscard]] bool dismissed(std::size_t cell) const noexcept { return dismissed_[cell] != 0; }
+  /// [height][width], not 0 = belongs to what was dismissed as furniture in this frame.
+  [[nodiscard]] std::span<const std::uint8_t> dismissed() const noexcept { return dismissed_; }
 
  private:
   static constexpr std::size_t kMaxComponents = ComponentFinder::kMaxComponents;
