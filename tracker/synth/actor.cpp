@@ -23,8 +23,6 @@ double smooth_rate(double share) {
   return 6 * share * (1 - share);
 }
 
-constexpr double kFootrest_m = 0.10;
-
 /// The seed of an actor's i-th drawing beside its habits.
 std::uint64_t drawing(std::uint64_t seed, std::size_t i) {
   return scrambled(seed + i) | (seed & kHeldOut);
@@ -92,12 +90,8 @@ void Actor::rest_otherwise(std::uint64_t seed) {
     return;
   }
   RandomPose sitting = random_pose(person_, Activity::Sit, random);
+  if (script_->posture == Posture::Wheelchair) raise_onto_footrests(sitting);
   seat_height_ = sitting.seat_height;
-  if (script_->posture == Posture::Wheelchair) {  // feet on the rests
-    seat_height_ += kFootrest_m;
-    sitting.pose.pelvis.y() += kFootrest_m;
-    for (FootPose& foot : sitting.pose.feet) foot.ball.y() += kFootrest_m;
-  }
   resting_ = sitting.pose;
 }
 

@@ -192,6 +192,13 @@ void walk(double phase, double stride, double lift, double arm_swing, Pose& pose
   pose.spine.turn += 0.25 * std::min(1.0, stride) * cosine(phase);
 }
 
+void raise_onto_footrests(RandomPose& sitting) {
+  constexpr double kFootrest_m = 0.10;
+  sitting.seat_height += kFootrest_m;
+  sitting.pose.pelvis.y() += kFootrest_m;
+  for (FootPose& foot : sitting.pose.feet) foot.ball.y() += kFootrest_m;
+}
+
 void bend_elbows(Pose& pose) {
   for (ArmPose& arm : pose.arms) {
     arm.wrist = {0.05, -0.45 + 0.3 * std::abs(arm.wrist.z()), 0.30 + 0.6 * arm.wrist.z()};

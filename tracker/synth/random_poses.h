@@ -30,6 +30,9 @@ void random_arms(const Person& person, Random& random, Pose& pose);
 /// Legs and arms of somebody who walks: `phase` in turns, 0 = right foot lands; `stride` metres from one foot to the
 /// other; the raised foot passes `lift` above the floor, its knee bending. stride 0 is walking in place.
 void walk(double phase, double stride, double lift, double arm_swing, Pose& pose);
+/// Somebody who sits, moved from a chair into a wheelchair: higher, her feet on the rests.
+void raise_onto_footrests(RandomPose& sitting);
+
 /// The arms of somebody who jogs, out of those that walk() gave her.
 void bend_elbows(Pose& pose);
 

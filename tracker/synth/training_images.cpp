@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tracker/body/kinematics.h"
+#include "tracker/synth/wheelchair.h"
 
 namespace armature {
 namespace {
@@ -20,6 +21,18 @@ RigidTransform random_camera(double stature, double distance, double x, Random& 
   const double look_at = random.uniform(0.42, 0.62) * stature;
   const double tilt = on_grid(std::atan2(height - look_at, std::hypot(distance, x)));
   return camera_from_world(height, tilt + 0.02 * random.normal(), 0.02 * random.normal());
+}
+
+/// Where somebody else stands, seen from the person: beside her, half before her or behind her, facing anywhere near
+/// the camera.
+RigidTransform company_place(Random& random) {
+  const double side = random.sign();
+  const double heading = random.uniform(-0.9, 0.9);
+  switch (random.below(3)) {
+    case 0: return world_from_body(side * random.uniform(0.45, 0.8), random.uniform(-0.2, 0.2), heading);
+    case 1: return world_from_body(side * random.uniform(0.25, 0.6), -random.uniform(0.5, 0.9), heading);
+    default: return world_from_body(side * random.uniform(0, 0.7), random.uniform(0.5, 1.0), heading);
+  }
 }
 
 }  // namespace
@@ -71,9 +84,18 @@ void TrainingSampler::sample(std::uint64_t seed, LabelledImage& out) {
   }
 }
 
+void TrainingSampler::render_somebody(const Person& person, const PosedBody& body,
+                                      const RigidTransform& camera_from_body, std::uint8_t owner) {
+  body_surface(person.shape, body, person.outfit, edges_);
+  for (SurfaceEdge& edge : edges_) edge = moved(edge, camera_from_body.rotation, camera_from_body.translation);
+  render_edges(edges_, owner, image_);
+}
+
 bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledImage& out) {
   const Person person = random_person(random, options_.carries);
-  const RandomPose posed = random_pose(person, random);
+  RandomPose posed = random_pose(person, random);
+  const bool wheels = posed.seat_height > 0 && random.chance(options_.wheelchair);
+  if (wheels) raise_onto_footrests(posed);
   const double distance = random.uniform(options_.nearest_m, options_.farthest_m);
   const double x = distance * random.uniform(-0.28, 0.28);
   const double heading = options_.turned_deg * kRadians *
@@ -91,7 +113,12 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledIma
   room.left = -random.uniform(2, 4);
   room.right = random.uniform(2, 4);
   room.back = distance + random.uniform(0.7, 3);
-  if (posed.seat_height > 0 && random.chance(0.85)) {
+  if (wheels) {
+    // Segmentation often takes a wheelchair for a part of its user.
+    wheelchair(posed.seat_height, person.shape.thigh, edges_);
+    for (SurfaceEdge& edge : edges_) edge = moved(edge, camera_from_body.rotation, camera_from_body.translation);
+    render_edges(edges_, random.chance(0.6) ? 1 : 0, image_);
+  } else if (posed.seat_height > 0 && random.chance(0.85)) {
     const auto boxes = chair(placed * RigidTransform{Eigen::Matrix3d::Identity(), Vector3d(0, 0, 0.06)},
                              posed.seat_height, random.uniform(0.2, 0.27), random.uniform(0, 0.5));
     room.furniture.insert(room.furniture.end(), boxes.begin(), boxes.end());
@@ -107,9 +134,14 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledIma
   }
 
   const PosedBody body = pose_body(person.shape, posed.pose);
-  body_surface(person.shape, body, person.outfit, edges_);
-  for (SurfaceEdge& edge : edges_) edge = moved(edge, camera_from_body.rotation, camera_from_body.translation);
-  render_edges(edges_, 1, image_);
+  render_somebody(person, body, camera_from_body, 1);
+  if (random.chance(options_.company)) {
+    const Person other = random_person(random, options_.carries);
+    const RigidTransform beside{placed.rotation.transpose(), Vector3d::Zero()};  // in the room's axes
+    const RandomPose other_pose = random_pose(other, Activity::Stand, random);
+    render_somebody(other, pose_body(other.shape, other_pose.pose), camera_from_body * beside * company_place(random),
+                    2);
+  }
   render_room(room, camera, image_);
   sensor_.sense(image_, options_.sensor, scrambled(seed ^ 0x5E45ULL), seed, sensed_);
 

@@ -20,7 +20,9 @@ struct TrainingOptions {
   double nearest_m = 1.2;
   double farthest_m = 4.0;
   double turned_deg = 60;         ///< people face the camera within +- this
-  double occluded = 0.12;         ///< share of images in which furniture stands before the person
+  double occluded = 0.16;         ///< share of images in which furniture stands before the person
+  double company = 0.12;          ///< share in which somebody else stands beside, before or behind her
+  double wheelchair = 0.3;        ///< share of those who sit
   double vary_intrinsics = 0.04;  ///< focal lengths vary by this share
   bool carries = true;            ///< bags, backpacks, mugs
   SensorOptions sensor;
@@ -40,8 +42,8 @@ struct LabelledImage {
 
 /// Draws labelled images of people, each from its own seed: person, pose, camera, occluders and noise. The domain:
 /// standing, the seven motions, walking, jogging, lunges, squats, sitting, reaching; arms doing anything; children;
-/// bags; turned up to 60 degrees; 1.2 to 4 m. Deterministic: the image depends on options and seed (without its bit
-/// kHeldOut) alone. Holds buffers: one sampler a thread.
+/// bags; wheelchairs; somebody else beside, before or behind; turned up to 60 degrees; 1.2 to 4 m. Deterministic: the
+/// image depends on options and seed (without its bit kHeldOut) alone. Holds buffers: one sampler a thread.
 class TrainingSampler {
  public:
   explicit TrainingSampler(const TrainingOptions& options) : options_(options) {}
@@ -50,6 +52,8 @@ class TrainingSampler {
 
  private:
   bool try_sample(Random& random, std::uint64_t seed, LabelledImage& out);
+  void render_somebody(const Person& person, const PosedBody& body, const RigidTransform& camera_from_body,
+                       std::uint8_t owner);
 
   TrainingOptions options_;
   KinectSensor sensor_;
