@@ -1,5 +1,7 @@
 #include "tracker/pipeline.h"
 
+#include "tracker/joints/skeleton_filter.h"
+
 namespace armature {
 namespace {
 
@@ -44,8 +46,8 @@ struct Pipeline::State {
       : options(all),
         stage_clock(std::move(clock)),
         segmenter(all.segmentation),
-        classifier(std::move(forest), all.forest),
-        joints(all.joints),
+        classifier(forest, all.forest),
+        joints(std::move(forest), all.joints),
         engagement(all.engagement),
         navigator(all.navigation, all.rest) {}
 
@@ -55,6 +57,7 @@ struct Pipeline::State {
   void start_over() noexcept {
     navigator.start_over();
     joints.reset();
+    filter.reset();
     too_noisy = {};
     was_engaged = false;
   }
@@ -72,6 +75,7 @@ struct Pipeline::State {
   Segmenter segmenter;
   PartClassifier classifier;
   JointEstimator joints;
+  SkeletonFilter filter;
   Engagement engagement;
   Navigator navigator;
   std::array<TrackerEvent, kMaxEvents> events{};
@@ -91,7 +95,6 @@ void Pipeline::reset(const Intrinsics& intrinsics) {
   s.intrinsics = intrinsics;
   s.segmenter.reset(intrinsics);
   s.classifier.reset(intrinsics);
-  s.joints.reset();
   s.engagement.release();
   s.start_over();
 }
@@ -131,6 +134,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   const bool rest_was_known = s.navigator.rest().rest().has_value();
   if (out.tracking) {
     s.navigator.measure(out.skeleton, segmentation.up, time);
+    s.filter.filter(out.skeleton, time);  // motions have filters of their own: two in a row would only be late
     timer.done(StageId::Motions);
     out.navigation = s.navigator.drive();
     timer.done(StageId::Transfer);

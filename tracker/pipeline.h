@@ -54,7 +54,7 @@ struct TrackerOutput {
   Timestamp sensor, host;
   bool tracking = false;  ///< a skeleton is there, whoever is engaged
   std::uint8_t user = 0;  ///< the active user, 0 = none
-  Skeleton skeleton;      ///< of the active user; all lost where not tracking
+  Skeleton skeleton;      ///< of the active user, filtered; all lost where not tracking
   UserFrame user_frame;   ///< of the rest pose, once known
   EngagementState state = EngagementState::Absent;
   StopReason stop = StopReason::NoUser;

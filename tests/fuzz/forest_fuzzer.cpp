@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (int i = 0; i < bytes; ++i) file.push_back(static_cast<std::byte>(value >> (8 * i) & 0xFFU));
     };
     for (const char c : {'A', 'R', 'M', 'F', 'O', 'R', 'S', 'T'}) file.push_back(static_cast<std::byte>(c));
-    put(1, 4);
+    put(2, 4);
     put(crc32(input), 4);
     put(input.size(), 8);
     file.insert(file.end(), input.begin(), input.end());

@@ -10,6 +10,7 @@
 #include "tools/progress.h"
 #include "tools/training_ranks.h"
 #include "tracker/forest/trainer.h"
+#include "tracker/joints/correction_trainer.h"
 
 namespace armature::tools {
 namespace {
@@ -17,28 +18,40 @@ namespace {
 struct TrainArguments {
   std::string out;
   TrainerOptions options;
+  CorrectionOptions correction;
 };
 
 /// The command that repeats a training run: what decides about the result, nothing else.
-std::string command_of(const TrainerOptions& o) {
+std::string command_of(const TrainerOptions& o, const CorrectionOptions& correction) {
   return "armature forest train OUT.forest --images " + std::to_string(o.image_count) + " --trees " +
          std::to_string(o.tree_count) + " --depth " + std::to_string(o.max_depth) + " --pixels " +
          std::to_string(o.pixels_per_image) + " --features " + std::to_string(o.features_per_node) + " --min-leaf " +
-         std::to_string(o.min_leaf_samples) + " --seed " + std::to_string(o.seed);
+         std::to_string(o.min_leaf_samples) + " --correction-images " + std::to_string(correction.image_count) +
+         " --seed " + std::to_string(o.seed);
 }
 
 Expected<void> train(const TrainArguments& arguments, Ranks& ranks) {
   TrainerOptions options = arguments.options;
-  options.command = command_of(options);
+  options.command = command_of(options, arguments.correction);
   options.checkpoint = arguments.out + ".checkpoint";
   const Interrupt interrupt;
-  ProgressBar bar({.title = "training", .silent = ranks.rank() != 0});
-  const auto forest = train_forest(
-      options, [&](int i) { return synthetic_image(training_seed(options.seed, static_cast<std::uint64_t>(i))); },
-      bar.callback(), interrupt.token(), ranks);
-  bar.finish();
+  const auto image = [&](int i) { return synthetic_image(training_seed(options.seed, static_cast<std::uint64_t>(i))); };
+  auto forest = [&] {
+    ProgressBar bar({.title = "growing trees", .silent = ranks.rank() != 0});
+    return train_forest(options, image, bar.callback(), interrupt.token(), ranks);
+  }();
   if (!forest) return tl::unexpected(forest.error());
   if (ranks.rank() != 0) return {};
+  if (arguments.correction.image_count > 0) {
+    CorrectionOptions correction = arguments.correction;
+    correction.threads = options.threads;
+    correction.network.seed = options.seed;
+    ProgressBar bar({.title = "learning to correct joints"});
+    // Images that the trees have not seen.
+    forest = learn_correction(
+        *forest, [&](int i) { return image(options.image_count + i); }, correction, bar.callback(), interrupt.token());
+    if (!forest) return tl::unexpected(forest.error());
+  }
   return forest->save(arguments.out);
 }
 
@@ -86,6 +99,10 @@ void add_train(CLI::App& forest, Run& run) {
   command->add_option("--pixels", o.pixels_per_image, "pixels of each image that a tree sees")->capture_default_str();
   command->add_option("--features", o.features_per_node, "random features tried at each split")->capture_default_str();
   command->add_option("--min-leaf", o.min_leaf_samples, "pixels in a leaf, at least")->capture_default_str();
+  command
+      ->add_option("--correction-images", arguments->correction.image_count,
+                   "more people, to learn how to correct joints from; 0: no correction")
+      ->capture_default_str();
   command->add_option("--seed", o.seed, "of the images and the trees")->capture_default_str();
   command->add_option("--threads", o.threads, "0: one a core, under mpirun one a process")->capture_default_str();
   command->add_flag("--resume", o.resume, "go on with an interrupted run of the same options");

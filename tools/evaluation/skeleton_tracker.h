@@ -17,7 +17,7 @@ inline constexpr std::array kNavigationJoints = {JointId::Head,         JointId:
 class SkeletonTracker {
  public:
   SkeletonTracker(std::shared_ptr<const Forest> forest, int stride)
-      : classifier_(std::move(forest), {.stride = stride}) {}
+      : classifier_(forest, {.stride = stride}), estimator_(std::move(forest)) {}
 
   /// Forgets the person, and takes memory for images of this size.
   void reset(const Intrinsics& intrinsics) {

@@ -64,6 +64,17 @@ Expected<Forest> Forest::create(std::vector<Tree> trees, std::string command) {
   return Forest(std::move(trees), std::move(command));
 }
 
+Expected<Forest> Forest::corrected_by(Perceptron correction) const {
+  if (correction.inputs() != kCorrectionInputs || correction.outputs() != kCorrectionOutputs) {
+    return fail("a correction of " + std::to_string(correction.inputs()) + " inputs and " +
+                std::to_string(correction.outputs()) + " outputs, expected " + std::to_string(kCorrectionInputs) +
+                " and " + std::to_string(kCorrectionOutputs));
+  }
+  Forest out = *this;
+  out.correction_ = std::move(correction);
+  return out;
+}
+
 int Forest::depth() const {
   int deepest = 0;
   for (const Tree& tree : trees_) {

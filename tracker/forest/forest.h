@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "firmware_host/error.h"
 #include "tracker/body/body_parts.h"
+#include "tracker/forest/perceptron.h"
 
 namespace armature {
 
@@ -65,12 +67,20 @@ inline constexpr std::uint16_t kMaxPersonDepth_mm = 10000;  ///< whatever is far
 inline constexpr int kMaxProbe_mm = 2000;
 inline constexpr int kMaxTrees = 4;
 
-/// A trained part forest. Immutable; every index in it was checked when it was made, so that walking it stays inside.
-/// Thread-safe: yes, for reading.
+/// The shape of the network that corrects joints (joints/joint_correction.h says what the numbers are).
+inline constexpr int kCorrectionInputs = 4 * kJointCount + 2;
+inline constexpr int kCorrectionOutputs = 4 * kJointCount;
+
+/// A trained part forest, and the network that corrects the joints found with it. Immutable; every index in it was
+/// checked when it was made, so that walking it stays inside. Thread-safe: yes, for reading.
 class Forest {
  public:
   /// A child that points outside or backwards, a joint or probe out of range or an empty tree is an error.
   [[nodiscard]] static Expected<Forest> create(std::vector<Tree> trees, std::string command);
+  /// The same forest with this correction; one of another shape than kCorrectionInputs by kCorrectionOutputs is an
+  /// error.
+  [[nodiscard]] Expected<Forest> corrected_by(Perceptron correction) const;
+  [[nodiscard]] Forest uncorrected() const { return Forest(trees_, command_); }
 
   /// Reads a model file. Truncated, altered, of another version or no model at all: one line that says so.
   [[nodiscard]] static Expected<Forest> load(const std::filesystem::path& path);
@@ -82,6 +92,8 @@ class Forest {
   [[nodiscard]] std::vector<std::byte> serialize() const;
 
   [[nodiscard]] std::span<const Tree> trees() const noexcept { return trees_; }
+  /// What makes better joints of those that the votes agree on (joints/joint_correction.h); null: nothing does.
+  [[nodiscard]] const Perceptron* correction() const noexcept { return correction_ ? &*correction_ : nullptr; }
   /// The command that trained this forest, for the record.
   [[nodiscard]] const std::string& command() const noexcept { return command_; }
   /// CRC-32 (IEEE 802.3) of the model file's contents, as stored in it.
@@ -92,6 +104,7 @@ class Forest {
  private:
   Forest(std::vector<Tree> trees, std::string command);
   std::vector<Tree> trees_;
+  std::optional<Perceptron> correction_;
   std::string command_;
 };
 

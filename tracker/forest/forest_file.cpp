@@ -1,8 +1,10 @@
 // The model file, little-endian throughout:
 //   char magic[8]; u32 version; u32 checksum; u64 payload_size;
-//   payload: u32 command_size; char command[]; u32 tree_count; the trees, as tree_codec.h has them
+//   payload: u32 command_size; char command[]; u32 tree_count; the trees, as tree_codec.h has them;
+//            u32 layer_count (0: no correction); the layers: u32 inputs, u32 outputs, f32 weights[], f32 bias[]
 // The checksum is the CRC-32 of the payload.
 
+#include <bit>
 #include <cstring>
 #include <fstream>
 #include <system_error>
@@ -15,9 +17,50 @@ namespace armature {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'A', 'R', 'M', 'F', 'O', 'R', 'S', 'T'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::uintmax_t kMaxFileBytes = 256U << 20U;
+
+void put_floats(ByteWriter& out, std::span<const float> values) {
+  for (const float value : values) out.put(std::bit_cast<std::uint32_t>(value));
+}
+std::vector<float> get_floats(ByteReader& in, std::size_t count) {
+  std::vector<float> values(count);
+  for (float& value : values) value = std::bit_cast<float>(in.get<std::uint32_t>());
+  return values;
+}
+
+void put_correction(ByteWriter& out, const Perceptron* correction) {
+  out.put(static_cast<std::uint32_t>(correction != nullptr ? correction->layers().size() : 0));
+  if (correction == nullptr) return;
+  for (const PerceptronLayer& layer : correction->layers()) {
+    out.put(static_cast<std::uint32_t>(layer.inputs));
+    out.put(static_cast<std::uint32_t>(layer.outputs));
+    put_floats(out, layer.weights);
+    put_floats(out, layer.bias);
+  }
+}
+
+/// The layers of the correction; an error where the bytes end before they do.
+Expected<std::vector<PerceptronLayer>> get_layers(ByteReader& in) {
+  const auto cut = [] { return fail("it ends in the middle of its correction"); };
+  if (in.left() < 4) return cut();
+  const auto count = in.get<std::uint32_t>();
+  if (count > Perceptron::kMaxLayers) return fail("a correction of " + std::to_string(count) + " layers");
+  std::vector<PerceptronLayer> layers(count);
+  for (PerceptronLayer& layer : layers) {
+    if (in.left() < 8) return cut();
+    const std::uint64_t inputs = in.get<std::uint32_t>(), outputs = in.get<std::uint32_t>();
+    constexpr std::uint64_t kMost = Perceptron::kMaxWidth;
+    if (inputs > kMost || outputs > kMost) return fail("a layer of its correction is too wide");
+    if (in.left() < 4 * (inputs + 1) * outputs) return cut();
+    layer.inputs = static_cast<int>(inputs);
+    layer.outputs = static_cast<int>(outputs);
+    layer.weights = get_floats(in, inputs * outputs);
+    layer.bias = get_floats(in, outputs);
+  }
+  return layers;
+}
 
 std::vector<std::byte> payload_of(const Forest& forest) {
   ByteWriter out;
@@ -25,6 +68,7 @@ std::vector<std::byte> payload_of(const Forest& forest) {
   out.put_text(forest.command());
   out.put(static_cast<std::uint32_t>(forest.trees().size()));
   for (const Tree& tree : forest.trees()) put_tree(out, tree);
+  put_correction(out, forest.correction());
   return out.take();
 }
 
@@ -45,12 +89,20 @@ Expected<Forest> parse_payload(ByteReader in, const std::string& name) {
     if (!tree) return cut();
     trees.push_back(std::move(*tree));
   }
+  const auto damaged = [&](const Error& error) { return fail(name + ": damaged model: " + error.message); };
+  auto layers = get_layers(in);
+  if (!layers) return damaged(layers.error());
   if (in.left() != 0) {
-    return fail(name + ": damaged model: " + std::to_string(in.left()) + " bytes after the last tree");
+    return fail(name + ": damaged model: " + std::to_string(in.left()) + " bytes after its end");
   }
   auto forest = Forest::create(std::move(trees), std::move(command));
-  if (!forest) return fail(name + ": damaged model: " + forest.error().message);
-  return forest;
+  if (!forest) return damaged(forest.error());
+  if (layers->empty()) return forest;
+  auto correction = Perceptron::create(std::move(*layers));
+  if (!correction) return damaged(correction.error());
+  auto corrected = forest->corrected_by(std::move(*correction));
+  if (!corrected) return damaged(corrected.error());
+  return corrected;
 }
 
 }  // namespace

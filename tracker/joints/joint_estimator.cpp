@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "tracker/joints/joint_correction.h"
 #include "tracker/joints/vote_cloud.h"
 
 namespace armature {
@@ -66,10 +67,14 @@ Eigen::Vector3f torso_centre(const PartVotes& votes, const Eigen::Vector3f& tors
 }  // namespace
 
 struct JointEstimator::State {
+  State(std::shared_ptr<const Forest> forest, const JointOptions& all)
+      : options(all), correction(std::move(forest)), clouds(kJointCount, VoteCloud(kMaxVotes)) {}
+
   JointOptions options;
+  JointCorrection correction;
   std::vector<VoteCloud> clouds;
   std::array<int, kJointCount> unseen{};  // frames since last observed
-  Skeleton last;
+  Skeleton last;                          // before its correction
   bool has_last = false;
 
   void collect(const PartVotes& votes) noexcept;
@@ -129,10 +134,8 @@ VoteMode JointEstimator::State::find_mode(std::size_t joint) const noexcept {
   return best;
 }
 
-JointEstimator::JointEstimator(const JointOptions& options) : state_(std::make_unique<State>()) {
-  state_->options = options;
-  for (int j = 0; j < kJointCount; ++j) state_->clouds.emplace_back(kMaxVotes);
-}
+JointEstimator::JointEstimator(std::shared_ptr<const Forest> forest, const JointOptions& options)
+    : state_(std::make_unique<State>(std::move(forest), options)) {}
 JointEstimator::~JointEstimator() = default;
 JointEstimator::JointEstimator(JointEstimator&&) noexcept = default;
 JointEstimator& JointEstimator::operator=(JointEstimator&&) noexcept = default;
@@ -189,6 +192,7 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   out.user_position = torso_centre(votes, out[JointId::Torso].position);
   s.last = out;
   s.has_last = true;
+  s.correction.apply(out);
 }
 
 }  // namespace armature

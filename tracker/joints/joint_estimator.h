@@ -16,11 +16,13 @@ struct JointOptions {
 /// Classified pixels -> 30 joints and the user's position P. Every joint is the strongest mode of the votes that the
 /// leaves cast for it (offsets from the surface point to the joint; Girshick et al. 2011), found by mean shift from
 /// several starts, the previous frame's joint among them. Votes count by the area of their pixel. A joint with too few
-/// votes is carried along with its neighbour in the body.
+/// votes is carried along with its neighbour in the body. Then the forest's correction, where it has one, moves all of
+/// them (joint_correction.h).
 /// Owns its memory. Deterministic. Thread-safe: no. Realtime-safe: everything but the constructor.
 class JointEstimator {
  public:
-  explicit JointEstimator(const JointOptions& options = {});
+  /// `forest` is the one whose votes will come.
+  explicit JointEstimator(std::shared_ptr<const Forest> forest, const JointOptions& options = {});
   ~JointEstimator();
   JointEstimator(JointEstimator&&) noexcept;
   JointEstimator& operator=(JointEstimator&&) noexcept;

@@ -3,30 +3,34 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Core>
+
 #include "tracker/motions/motion_options.h"
 
 namespace armature {
 
-/// One-Euro filter of one signal (Casiez, Roussel and Vogel 2012). Realtime-safe: yes.
-class OneEuro {
+/// One-Euro filter (Casiez, Roussel and Vogel 2012) of a number, or of a point in space whose speed is that of all its
+/// coordinates together. Realtime-safe: yes.
+template <class Value>
+class BasicOneEuro {
  public:
   void reset() noexcept { started_ = false; }
 
   /// The filtered value; `dt_s` > 0 is the time since the last call and does not matter in the first.
-  float filter(float value, float dt_s, const OneEuroOptions& options) noexcept {
+  Value filter(const Value& value, float dt_s, const OneEuroOptions& options) noexcept {
     if (!started_) {
       started_ = true;
       value_ = value;
-      speed_ = 0;
+      speed_ = 0 * value;
       return value_;
     }
     speed_ += smoothing(options.derivative_cutoff_hz, dt_s) * ((value - value_) / dt_s - speed_);
-    const float cutoff_hz = options.min_cutoff_hz + options.speed_coefficient * std::abs(speed_);
+    const float cutoff_hz = options.min_cutoff_hz + options.speed_coefficient * magnitude(speed_);
     value_ += smoothing(cutoff_hz, dt_s) * (value - value_);
     return value_;
   }
 
-  [[nodiscard]] float value() const noexcept { return value_; }
+  [[nodiscard]] const Value& value() const noexcept { return value_; }
 
  private:
   static float smoothing(float cutoff_hz, float dt_s) noexcept {
@@ -34,9 +38,15 @@ class OneEuro {
     return r / (r + 1);
   }
 
+  static float magnitude(float v) noexcept { return std::abs(v); }
+  static float magnitude(const Eigen::Vector3f& v) noexcept { return v.norm(); }
+
   bool started_ = false;
-  float value_ = 0;
-  float speed_ = 0;
+  Value value_{};
+  Value speed_{};
 };
+
+using OneEuro = BasicOneEuro<float>;
+using PointOneEuro = BasicOneEuro<Eigen::Vector3f>;
 
 }  // namespace armature

@@ -28,8 +28,16 @@ std::vector<Tree> small_trees() {
   return {tree, stump};
 }
 
+/// With a correction, narrow so that it is short.
 Forest small_forest() {
-  return *Forest::create(small_trees(), "armature forest train x.forest");
+  const auto layer = [](int inputs, int outputs) {
+    PerceptronLayer out{.inputs = inputs, .outputs = outputs, .weights = {}, .bias = {}};
+    out.weights.resize(static_cast<std::size_t>(inputs * outputs));
+    for (int i = 0; i < outputs; ++i) out.bias.push_back(0.125F * static_cast<float>(i));
+    return out;
+  };
+  return *Forest::create(small_trees(), "armature forest train x.forest")
+              ->corrected_by(*Perceptron::create({layer(kCorrectionInputs, 1), layer(1, kCorrectionOutputs)}));
 }
 
 std::string error_of(std::span<const std::byte> bytes) {
@@ -58,9 +66,12 @@ TEST(ForestFile, AForestComesBackAsItWasWritten) {
   EXPECT_EQ(back->trees()[0].nodes[1].v_mm[1], 900);
   EXPECT_EQ(back->trees()[0].leaves[2].votes[0].offset[0], -6);
   EXPECT_EQ(back->trees()[1].leaves[0].probability[30], 255);
+  ASSERT_NE(back->correction(), nullptr);
+  EXPECT_EQ(back->correction()->layers()[1].bias[3], 0.375F);
+  EXPECT_EQ(back->uncorrected().correction(), nullptr);
 }
 
-TEST(ForestFile, TheBytesAreThoseOfVersionOne) {
+TEST(ForestFile, TheBytesAreThoseOfVersionTwo) {
   Tree stump;
   stump.leaves.resize(1);
   stump.leaves[0].probability[4] = 255;
@@ -72,9 +83,9 @@ TEST(ForestFile, TheBytesAreThoseOfVersionOne) {
     hex += kDigits[std::to_integer<std::size_t>(byte >> 4U)];
     hex += kDigits[std::to_integer<std::size_t>(byte & std::byte{15})];
   }
-  std::string expected = "41524d464f52535401000000";
+  std::string expected = "41524d464f52535402000000";
   expected += hex.substr(24, 8);   // the checksum, tested below
-  expected += "5800000000000000";  // 88 bytes follow
+  expected += "5c00000000000000";  // 92 bytes follow
   expected +=
       "0100000063"
       "01000000";                  // the command, one tree
@@ -82,6 +93,7 @@ TEST(ForestFile, TheBytesAreThoseOfVersionOne) {
   expected += "00000000ff" + std::string(52, '0');
   expected += "01fe030209";
   for (int i = 1; i < kVotesPerLeaf; ++i) expected += "000000ff00";
+  expected += "00000000";  // no correction
   EXPECT_EQ(hex, expected);
   const std::string check = "123456789";
   EXPECT_EQ(crc32(std::as_bytes(std::span(check))), 0xCBF43926U);
@@ -114,7 +126,7 @@ TEST(ForestFile, AnotherVersionAndAnotherKindOfFileAreNamed) {
   auto bytes = small_forest().serialize();
   bytes[8] = std::byte{7};
   EXPECT_EQ(error_of(bytes),
-            "x.forest: model version 7, this program reads version 1; train it again with 'armature forest train'");
+            "x.forest: model version 7, this program reads version 2; train it again with 'armature forest train'");
   bytes[0] = std::byte{'Z'};
   EXPECT_EQ(error_of(bytes),
             "x.forest: not a part forest (it does not begin with ARMFORST); make one with 'armature forest train'");

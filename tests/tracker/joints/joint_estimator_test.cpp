@@ -11,7 +11,9 @@ namespace {
 
 class PaperTracker {
  public:
-  explicit PaperTracker(const Intrinsics& intrinsics) : classifier_(forest()) { classifier_.reset(intrinsics); }
+  explicit PaperTracker(const Intrinsics& intrinsics) : classifier_(forest()), estimator_(forest()) {
+    classifier_.reset(intrinsics);
+  }
   Skeleton track(const TrainingImage& image, std::span<const std::uint8_t> mask) {
     Skeleton skeleton;
     estimator_.estimate(
@@ -74,7 +76,9 @@ TEST(JointEstimator, AJointThatIsHiddenMovesAlongWithItsNeighbourUntilItIsLost) 
   const auto pixel = [](const Leaf& leaf, float x, float y) {
     return ClassifiedPixel{.point = {x, y, 2}, .area_m2 = 0.01F, .leaves = {&leaf}};
   };
-  JointEstimator estimator({.hold_frames = 2});
+  Tree stump;
+  stump.leaves.resize(1);
+  JointEstimator estimator(std::make_shared<const Forest>(*Forest::create({stump}, "")), {.hold_frames = 2});
   Skeleton skeleton;
   const std::array both = {pixel(knee, 0, 0.2F), pixel(ankle, 0.05F, 0.6F)};
   estimator.estimate({both}, skeleton);

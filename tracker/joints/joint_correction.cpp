@@ -1,0 +1,53 @@
+#include "tracker/joints/joint_correction.h"
+
+#include <array>
+#include <cmath>
+
+namespace armature {
+namespace {
+
+constexpr std::array kTorso = {JointId::Chest, JointId::Torso,        JointId::Waist,
+                               JointId::Neck,  JointId::LeftShoulder, JointId::RightShoulder};
+constexpr float kTypicalDistance_m = 3;
+constexpr float kHalfConfidence_m = 0.10F;  // the expected error at which a joint is as good as not
+
+}  // namespace
+
+CorrectionFrame::CorrectionFrame(const Skeleton& skeleton) noexcept : origin_(Eigen::Vector3f::Zero()) {
+  for (const JointId joint : kTorso) origin_ += skeleton[joint].position;
+  origin_ /= static_cast<float>(kTorso.size());
+  const float ahead = std::sqrt(origin_.x() * origin_.x() + origin_.z() * origin_.z());
+  if (ahead <= 0) return;
+  cosine_ = origin_.z() / ahead;
+  sine_ = origin_.x() / ahead;
+}
+
+void correction_inputs(const Skeleton& skeleton, const CorrectionFrame& frame,
+                       std::span<float, kCorrectionInputs> inputs) noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const Eigen::Vector3f p = frame.seen(skeleton.joints[j].position);
+    for (std::size_t axis = 0; axis < 3; ++axis) inputs[3 * j + axis] = p[static_cast<Eigen::Index>(axis)];
+    inputs[3 * kJointCount + j] = skeleton.joints[j].confidence;
+  }
+  const float distance_m = frame.origin().norm();
+  inputs[4 * kJointCount] = distance_m > 0 ? frame.origin().y() / distance_m : 0;
+  inputs[4 * kJointCount + 1] = distance_m / kTypicalDistance_m;
+}
+
+void JointCorrection::apply(Skeleton& skeleton) const noexcept {
+  const Perceptron* network = forest_->correction();
+  if (network == nullptr) return;
+  const CorrectionFrame frame(skeleton);
+  std::array<float, kCorrectionInputs> inputs{};
+  std::array<float, kCorrectionOutputs> outputs{};
+  correction_inputs(skeleton, frame, inputs);
+  network->evaluate(inputs, outputs);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    Joint& joint = skeleton.joints[j];
+    joint.position += frame.turned_back({outputs[3 * j], outputs[3 * j + 1], outputs[3 * j + 2]});
+    const float error = expected_error_m(outputs[3 * kJointCount + j]) / kHalfConfidence_m;
+    joint.confidence = 1 / (1 + error * error);
+  }
+}
+
+}  // namespace armature

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "tracker/body/skeleton.h"
+#include "tracker/forest/forest.h"
+
+namespace armature {
+
+/// Where a skeleton is looked at from when it is corrected: beside its torso, in axes turned about the camera's y until
+/// the torso lies straight ahead, so that it does not matter where in the image somebody stands.
+class CorrectionFrame {
+ public:
+  explicit CorrectionFrame(const Skeleton& skeleton) noexcept;
+  [[nodiscard]] Eigen::Vector3f seen(const Eigen::Vector3f& point) const noexcept { return turned(point - origin_); }
+  [[nodiscard]] Eigen::Vector3f turned(const Eigen::Vector3f& v) const noexcept {
+    return {cosine_ * v.x() - sine_ * v.z(), v.y(), sine_ * v.x() + cosine_ * v.z()};
+  }
+  [[nodiscard]] Eigen::Vector3f turned_back(const Eigen::Vector3f& v) const noexcept {
+    return {cosine_ * v.x() + sine_ * v.z(), v.y(), cosine_ * v.z() - sine_ * v.x()};
+  }
+  [[nodiscard]] const Eigen::Vector3f& origin() const noexcept { return origin_; }
+
+ private:
+  Eigen::Vector3f origin_;  // the mean of the torso's joints, camera frame
+  float cosine_ = 1, sine_ = 0;
+};
+
+/// The numbers that a correction is made of: 30 joints in the frame, metres; their 30 confidences; how high the torso
+/// stands in view (the sine of its elevation); its distance over 3 m.
+void correction_inputs(const Skeleton& skeleton, const CorrectionFrame& frame,
+                       std::span<float, kCorrectionInputs> inputs) noexcept;
+
+/// Moves the joints that the votes of a forest agree on to where such joints have proved to be. Votes are means over
+/// many poses and builds: they draw joints towards the average person and cannot know what another part of the body
+/// tells about a hidden one. A small network learned from synthetic people puts both right, and says how large an error
+/// to expect.
+/// Thread-safe: yes. Realtime-safe: yes.
+class JointCorrection {
+ public:
+  explicit JointCorrection(std::shared_ptr<const Forest> forest) : forest_(std::move(forest)) {}
+
+  /// Positions and confidences of `skeleton`; nothing where the forest knows no correction.
+  void apply(Skeleton& skeleton) const noexcept;
+
+ private:
+  std::shared_ptr<const Forest> forest_;
+};
+
+}  // namespace armature

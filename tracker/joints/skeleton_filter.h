@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+
+#include "tracker/body/skeleton.h"
+#include "tracker/motions/one_euro.h"
+
+namespace armature {
+
+/// Calms a skeleton: a One-Euro filter for each joint, so that a joint at rest keeps still and one that moves is not
+/// late. A joint that is lost is left alone, and starts anew when it is found again.
+/// Deterministic. Thread-safe: no. Realtime-safe: yes.
+class SkeletonFilter {
+ public:
+  /// Speeds are in m/s: the coefficient is in Hz per m/s.
+  static constexpr OneEuroOptions kDefault{.min_cutoff_hz = 0.5F, .speed_coefficient = 10, .derivative_cutoff_hz = 3};
+
+  explicit SkeletonFilter(const OneEuroOptions& options = kDefault) : options_(options) {}
+
+  /// Forgets the past: another person, or one who was away.
+  void reset() noexcept {
+    for (PointOneEuro& joint : joints_) joint.reset();
+    last_.reset();
+  }
+
+  /// Positions at `time`; the user position is filtered too.
+  void filter(Skeleton& skeleton, std::chrono::nanoseconds time) noexcept {
+    if (last_ && (time <= *last_ || time - *last_ > kForgetAfter)) reset();
+    const float dt_s = last_ ? std::chrono::duration<float>(time - *last_).count() : kFrame_s;
+    last_ = time;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      Joint& joint = skeleton.joints[j];
+      if (joint.state == JointState::Lost) {
+        joints_[j].reset();
+      } else {
+        joint.position = joints_[j].filter(joint.position, dt_s, options_);
+      }
+    }
+    skeleton.user_position = joints_[kJointCount].filter(skeleton.user_position, dt_s, options_);
+  }
+
+ private:
+  static constexpr float kFrame_s = 1.0F / 30;
+  static constexpr std::chrono::milliseconds kForgetAfter{500};
+
+  OneEuroOptions options_;
+  std::array<PointOneEuro, kJointCount + 1> joints_;  // the last: the user position
+  std::optional<std::chrono::nanoseconds> last_;
+};
+
+}  // namespace armature
