@@ -29,7 +29,7 @@ Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
   cells_.assign(
       static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(count_[2]),
       Cell::Free);
-  free_around_.assign(cells_.size(), static_cast<float>(spacing_));
+  free_around_.assign(cells_.size(), static_cast<float>(spacing_ / 2));
   int size = 1;
   while (size < std::max({count_[0], count_[1], count_[2]})) size *= 2;
   classify(tree, {0, 0, 0}, size);
@@ -50,11 +50,11 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
       origin_ + spacing_ * Vector3d(first[0] + size / 2.0, first[1] + size / 2.0, first[2] + size / 2.0);
   const double reach = std::sqrt(3.0) / 2 * (size - 1) * spacing_;  // to the middle of the farthest cell
   const double distance = tree.signed_distance(centre);
-  if (distance > reach + spacing_ / 2) return;  // free, as all cells are at first
   if (size == 1 && distance > kClearance * spacing_) {
     free_around_[index(first)] = static_cast<float>(distance);
     return;
   }
+  if (distance > reach + spacing_ / 2) return;  // free, half a cell around each middle, as all are at first
   if (size == 1 || distance <= -reach) {
     for (int z = first[2]; z < std::min(first[2] + size, count_[2]); ++z)
       for (int y = first[1]; y < std::min(first[1] + size, count_[1]); ++y)

@@ -8,9 +8,10 @@
 
 namespace armature::sdk {
 
-/// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells whose
-/// middle is free are flooded from outside, face to face, wherever the way between the middles is free. A void may be
-/// missed where all are narrower than a cell, and one whose way out is narrower than a cell counts as closed.
+/// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells with
+/// 0.4 cells free around their middle are flooded from outside, face to face, wherever the way between the middles is
+/// free. A void may be missed where all are narrower than a cell, and one whose way out is narrower than a cell counts
+/// as closed.
 class Cavities {
  public:
   /// `resolution` cells along the longest side of the bounding box.

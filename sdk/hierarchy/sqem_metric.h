@@ -18,9 +18,9 @@ class SqemMetric {
  public:
   struct Options {
     std::span<const double> weights;  ///< the importance by vertex, or empty: 1
-    double regularise = 0;            ///< eps
-    bool by_increase = false;         ///< rank by what a collapse adds to the error, not by the error of the union
-    double radius_per_width = 0.75;   ///< bounds a radius by the region's smallest extent
+    double regularise;                ///< eps
+    bool by_increase;                 ///< rank by what a collapse adds to the error, not by the error of the union
+    double radius_per_width;          ///< bounds a radius by so many times the region's smallest extent
   };
 
   /// A fit seen from one of the two spheres.
@@ -63,9 +63,7 @@ class SqemMetric {
   }
 
   [[nodiscard]] const Sphere& sphere(std::uint32_t slot) const noexcept { return spheres_[slot]; }
-  [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept {
-    return spheres_[slot].centre;
-  }
+  [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept { return spheres_[slot].centre; }
 
  private:
   /// What stands in a slot beside its sphere: two lines of the cache.

@@ -17,7 +17,8 @@ struct SearchEffort {
 
 /// Fits a sphere-mesh and changes where its spheres are and what joins them, with as many spheres: every round adds
 /// some where the union is farthest from the input, joins others where that costs least, repairs the connectivity, and
-/// is kept only if the loss has fallen; one that gains less than 1 % is the last. Fixed spheres keep their places.
+/// is kept only if the loss has fallen; a kept one that gains less than 1 % is the last. Fixed spheres keep their
+/// places.
 void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const std::vector<bool>& fixed,
             const Task& task);
 

@@ -15,7 +15,8 @@ from pathlib import Path
 BUILD = Path(sys.argv[1])
 ARMATURE = BUILD / "bin" / "armature"
 PLUGIN = BUILD / "lib" / "armature" / "armature_mpi.so"
-SMALL = ["--images", 12, "--trees", 2, "--depth", 9, "--pixels", 100, "--features", 30, "--min-leaf", 5]
+SMALL = ["--images", 12, "--trees", 2, "--depth", 9, "--pixels", 100, "--features", 30, "--min-leaf", 5,
+         "--correction-images", 20]
 
 # OpenMPI refuses root, and more ranks than cores, unless told; a test in a container is both.
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
@@ -45,7 +46,8 @@ class MpiTraining(unittest.TestCase):
         together = train(self.here / "four.forest", ranks=4)
         self.assertEqual(together.returncode, 0, together.stderr)
         self.assertEqual((self.here / "four.forest").read_bytes(), (self.here / "one.forest").read_bytes())
-        shares = [int(share) for share in re.findall(r"(\d+) %", together.stderr)]
+        shares = [int(share) for share in re.findall(r"growing trees: +(\d+) %", together.stderr)]
+        self.assertTrue(shares, together.stderr)
         self.assertEqual(shares, sorted(set(shares)), "progress of one rank alone:\n" + together.stderr)
         self.assertEqual(sorted(path.name for path in self.here.iterdir()), ["four.forest", "one.forest"])
 

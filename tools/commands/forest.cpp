@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,7 @@ Expected<void> train(const TrainArguments& arguments, Ranks& ranks) {
   TrainerOptions options = arguments.options;
   options.command = command_of(options, arguments.correction);
   options.checkpoint = arguments.out + ".checkpoint";
+  options.keep_checkpoint = true;  // until the model is written
   const Interrupt interrupt;
   const auto image = [&](int i) { return synthetic_image(training_seed(options.seed, static_cast<std::uint64_t>(i))); };
   auto forest = [&] {
@@ -50,9 +52,15 @@ Expected<void> train(const TrainArguments& arguments, Ranks& ranks) {
     // Images that the trees have not seen.
     forest = learn_correction(
         *forest, [&](int i) { return image(options.image_count + i); }, correction, bar.callback(), interrupt.token());
+    if (!forest && interrupt.requested()) {
+      return fail("training was interrupted; --resume goes on from " + options.checkpoint.string());
+    }
     if (!forest) return tl::unexpected(forest.error());
   }
-  return forest->save(arguments.out);
+  auto saved = forest->save(arguments.out);
+  std::error_code ignored;
+  if (saved) std::filesystem::remove(options.checkpoint, ignored);
+  return saved;
 }
 
 Expected<void> print_info(const std::string& path, bool json) {
@@ -101,7 +109,8 @@ void add_train(CLI::App& forest, Run& run) {
   command->add_option("--min-leaf", o.min_leaf_samples, "pixels in a leaf, at least")->capture_default_str();
   command
       ->add_option("--correction-images", arguments->correction.image_count,
-                   "more people, to learn how to correct joints from; 0: no correction")
+                   "more people, to learn how to correct joints from (the first rank alone does); 0: no correction")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--seed", o.seed, "of the images and the trees")->capture_default_str();
   command->add_option("--threads", o.threads, "0: one a core, under mpirun one a process")->capture_default_str();
@@ -144,8 +153,8 @@ void add_evaluate(CLI::App& forest, Run& run) {
   command->add_option("--threads", options->scenes.threads, "scenes at a time; times mean something with 1 only")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_flag("--real-only", options->real_only, "no scenes, --utd alone");
-  command->add_option("--utd", options->utd_folder, "a folder of aA_sS_tT.u16.zst and .joints.csv");
+  CLI::Option* utd = command->add_option("--utd", options->utd_folder, "a folder of aA_sS_tT.u16.zst and .joints.csv");
+  command->add_flag("--real-only", options->real_only, "no scenes, --utd alone")->needs(utd);
   command->add_flag("--all", options->all_actions, "every action in --utd, not only 1-4, 22, 23, 26 and 27");
   command->add_option("--plots", options->plots, "a folder for pictures (SVG): errors, mAP over distance");
   command->add_flag("--json", *json, "one JSON object a line");

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/printf.h>
 
 namespace armature::tools {
 namespace {
@@ -13,13 +14,6 @@ const char* colour_of(const Series& series) {
 }
 
 constexpr int kWidth = 720;
-
-template <class... Args>
-std::string formatted(const char* format, Args... args) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), format, args...);
-  return text.data();
-}
 
 /// The distance between ticks, 1, 2 or 5 times a power of ten, that gives about five of them.
 double tick_step(double span) {
@@ -34,27 +28,28 @@ double tick_step(double span) {
 class Canvas {
  public:
   Canvas(const ChartText& text, int height) : height_(height) {
-    out_ =
-        formatted("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" role=\"img\">\n", kWidth, height) +
-        "<title>" + text.title + "</title>\n" +
-        formatted("<rect width=\"%d\" height=\"%d\" fill=\"#ffffff\"/>\n", kWidth, height) +
-        "<g font-family=\"sans-serif\" font-size=\"13\" fill=\"#222222\">\n";
+    out_ = fmt::sprintf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" role=\"img\">\n", kWidth,
+                        height) +
+           "<title>" + text.title + "</title>\n" +
+           fmt::sprintf("<rect width=\"%d\" height=\"%d\" fill=\"#ffffff\"/>\n", kWidth, height) +
+           "<g font-family=\"sans-serif\" font-size=\"13\" fill=\"#222222\">\n";
     label(16, 24, text.title, "start", "font-size=\"16\" font-weight=\"bold\"");
   }
 
   void label(double x, double y, const std::string& text, const char* anchor, const char* more = "") {
-    out_ += formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" %s>", x, y, anchor, more) + text + "</text>\n";
+    out_ += fmt::sprintf("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" %s>", x, y, anchor, more) + text + "</text>\n";
   }
   void line(double x0, double y0, double x1, double y1, const char* colour, double width) {
-    out_ += formatted("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n",
-                      x0, y0, x1, y1, colour, width);
+    out_ +=
+        fmt::sprintf("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n",
+                     x0, y0, x1, y1, colour, width);
   }
   void box(double x, double y, double width, double height, const char* colour) {
-    out_ += formatted("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>\n", x, y,
-                      std::max(0.0, width), height, colour);
+    out_ += fmt::sprintf("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>\n", x, y,
+                         std::max(0.0, width), height, colour);
   }
   void disc(double x, double y, const char* colour) {
-    out_ += formatted("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"/>\n", x, y, colour);
+    out_ += fmt::sprintf("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"/>\n", x, y, colour);
   }
   void legend(const std::vector<Series>& series) {
     double x = 16;
@@ -94,16 +89,16 @@ std::string line_chart(const ChartText& text, const std::vector<double>& x, cons
   const Axis up{y_low, y_high, canvas.height() - 50.0, 66};
   for (const double tick : up.ticks()) {
     canvas.line(across.from, up(tick), across.to, up(tick), "#dddddd", 1);
-    canvas.label(across.from - 8, up(tick) + 4, formatted("%g", std::round(tick * 1e6) / 1e6), "end");
+    canvas.label(across.from - 8, up(tick) + 4, fmt::sprintf("%g", std::round(tick * 1e6) / 1e6), "end");
   }
   for (const double tick : across.ticks()) {
     canvas.line(across(tick), up.from, across(tick), up.from + 5, "#222222", 1);
-    canvas.label(across(tick), up.from + 20, formatted("%g", std::round(tick * 1e6) / 1e6), "middle");
+    canvas.label(across(tick), up.from + 20, fmt::sprintf("%g", std::round(tick * 1e6) / 1e6), "middle");
   }
   canvas.line(across.from, up.from, across.to, up.from, "#222222", 1);
   canvas.label(0.5 * (across.from + across.to), canvas.height() - 10.0, text.x_axis, "middle");
   canvas.label(18, 0.5 * (up.from + up.to), text.y_axis, "middle",
-               formatted("transform=\"rotate(-90 18 %.1f)\"", 0.5 * (up.from + up.to)).c_str());
+               fmt::sprintf("transform=\"rotate(-90 18 %.1f)\"", 0.5 * (up.from + up.to)).c_str());
   for (const Series& one : series) {
     const char* colour = colour_of(one);
     const auto at = [&](std::size_t i) { return up(std::clamp(one.values[i], y_low, y_high)); };
@@ -129,7 +124,7 @@ std::string bar_chart(const ChartText& text, const std::vector<std::string>& lab
   const double bottom = kTop + group * static_cast<double>(labels.size());
   for (const double tick : across.ticks()) {
     canvas.line(across(tick), kTop, across(tick), bottom, "#dddddd", 1);
-    canvas.label(across(tick), bottom + 18, formatted("%g", std::round(tick * 1e6) / 1e6), "middle");
+    canvas.label(across(tick), bottom + 18, fmt::sprintf("%g", std::round(tick * 1e6) / 1e6), "middle");
   }
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const double y = kTop + group * static_cast<double>(i) + 0.5 * kGap;

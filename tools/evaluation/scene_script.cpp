@@ -15,21 +15,12 @@ MotionTrack to_and_fro(MotionId motion, double amount) {
   return {motion, {{1.0, 0}, {1.5, amount}, {1.75, amount}, {2.35, -amount}, {2.6, -amount}, {kEnd, 0}}};
 }
 
-ArmPose arm(double out, double up, double forward, double swivel = 0.1, double flex = 0) {
-  ArmPose pose;
-  pose.wrist = {out, up, forward};
-  pose.elbow_swivel = swivel;
-  pose.hangs = 0.2;
-  pose.wrist_flex = flex;
-  return pose;
-}
-
 std::vector<ArmKey> both_arms(const ArmPose& pose) {
   return {{1.0, {}, {}}, {1.6, pose, pose}, {2.4, pose, pose}, {kEnd, {}, {}}};
 }
 
 std::vector<ArmKey> wave() {
-  const ArmPose out = arm(0.55, 0.45, 0.25, 0.5), in = arm(0.15, 0.60, 0.30, 0.5);
+  const ArmPose out = busy_arm(0.55, 0.45, 0.25, 0.5), in = busy_arm(0.15, 0.60, 0.30, 0.5);
   return {{1.0, {}, {}}, {1.5, {}, out}, {1.8, {}, in}, {2.1, {}, out}, {2.4, {}, in}, {kEnd, {}, {}}};
 }
 
@@ -74,13 +65,15 @@ std::map<std::string, Perform> make_activities() {
     user.motions = {to_and_fro(MotionId::LeanBust, side_of(scene)), to_and_fro(MotionId::BendKnees, 1)};
   };
   all["wave"] = [](const Scene&, ActorScript& user) { user.arms = wave(); };
-  all["before_face"] = [](const Scene&, ActorScript& user) { user.arms = both_arms(arm(-0.18, 0.22, 0.38)); };
-  all["cross_arms"] = [](const Scene&, ActorScript& user) { user.arms = both_arms(arm(-0.40, -0.36, 0.31, 0.3, 0.3)); };
+  all["before_face"] = [](const Scene&, ActorScript& user) { user.arms = both_arms(busy_arm(-0.18, 0.22, 0.38)); };
+  all["cross_arms"] = [](const Scene&, ActorScript& user) {
+    user.arms = both_arms(busy_arm(-0.40, -0.36, 0.31, 0.3, 0.3));
+  };
   all["raise_arms"] = [](const Scene&, ActorScript& user) {
-    const ArmPose sideways = arm(0.95, 0.0, 0.10), up = arm(0.15, 0.95, 0.12);
+    const ArmPose sideways = busy_arm(0.95, 0.0, 0.10), up = busy_arm(0.15, 0.95, 0.12);
     user.arms = {{1.0, {}, {}}, {1.5, sideways, sideways}, {1.9, up, up}, {2.3, up, up}, {kEnd, {}, {}}};
   };
-  all["reach_ahead"] = [](const Scene&, ActorScript& user) { user.arms = both_arms(arm(0.0, 0.0, 0.95)); };
+  all["reach_ahead"] = [](const Scene&, ActorScript& user) { user.arms = both_arms(busy_arm(0.0, 0.0, 0.95)); };
   all["any_arms"] = [](const Scene&, ActorScript& user) { user.poses = twice(Activity::Stand); };
   all["reach"] = [](const Scene&, ActorScript& user) { user.poses = twice(Activity::Reach); };
   all["lunge"] = [](const Scene&, ActorScript& user) { user.poses = twice(Activity::Lunge); };

@@ -1,8 +1,9 @@
 #include <array>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <tuple>
+
+#include <fmt/printf.h>
 
 #include "tools/terminal/screen.h"
 
@@ -15,15 +16,8 @@ constexpr int kMargin = 16;
 constexpr int kBaseline = 15;
 constexpr int kFontSize = 15;
 
-template <class... Args>
-std::string formatted(const char* format, Args... args) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), format, args...);
-  return text.data();
-}
-
 std::string hex(Rgb c) {
-  return formatted("#%02x%02x%02x", c.r, c.g, c.b);
+  return fmt::sprintf("#%02x%02x%02x", c.r, c.g, c.b);
 }
 
 /// Offset of a braille dot (bit of the code point) within its cell.
@@ -101,12 +95,13 @@ std::string svg(const Screen& screen, std::string_view title) {
         for (std::size_t bit = 0; bit < kDots.size(); ++bit) {
           if ((cell.glyph >> bit & 1U) == 0) continue;
           of_colour(dots, cell.style.colour) +=
-              formatted("M%.1f %.1fh0", x + 2.5 + 5 * kDots[bit][0], y + 2.5 + 5 * kDots[bit][1]);
+              fmt::sprintf("M%.1f %.1fh0", x + 2.5 + 5 * kDots[bit][0], y + 2.5 + 5 * kDots[bit][1]);
         }
       } else if (const std::string shape = line_shape(cell.glyph); !shape.empty()) {
-        of_colour(lines, cell.style.colour) += formatted("M%d %d", x + kCellWidth / 2, y + kCellHeight / 2) + shape;
+        of_colour(lines, cell.style.colour) += fmt::sprintf("M%d %d", x + kCellWidth / 2, y + kCellHeight / 2) + shape;
       } else if (edges[1] > 0) {
-        of_colour(bars, cell.style.colour) += formatted("M%d %dH%d", x + edges[0], y + kCellHeight / 2, x + edges[1]);
+        of_colour(bars, cell.style.colour) +=
+            fmt::sprintf("M%d %dH%d", x + edges[0], y + kCellHeight / 2, x + edges[1]);
       } else {
         // Consecutive characters of one style share an element; textLength keeps them on the grid.
         std::string run;
@@ -118,9 +113,9 @@ std::string svg(const Screen& screen, std::string_view title) {
           run += escaped(next.glyph);
           ++end;
         }
-        text += formatted("<text x=\"%d\" y=\"%d\" textLength=\"%d\" fill=\"%s\"%s>", x, y + kBaseline,
-                          (end - column) * kCellWidth, hex(cell.style.colour).c_str(),
-                          cell.style.bold ? " font-weight=\"bold\"" : "") +
+        text += fmt::sprintf("<text x=\"%d\" y=\"%d\" textLength=\"%d\" fill=\"%s\"%s>", x, y + kBaseline,
+                             (end - column) * kCellWidth, hex(cell.style.colour).c_str(),
+                             cell.style.bold ? " font-weight=\"bold\"" : "") +
                 run + "</text>\n";
         column = end - 1;
       }
@@ -130,13 +125,13 @@ std::string svg(const Screen& screen, std::string_view title) {
   std::string name;
   for (const char c : title) name += escaped(static_cast<unsigned char>(c));
   std::string out =
-      formatted("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" role=\"img\">\n", width, height);
+      fmt::sprintf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" role=\"img\">\n", width, height);
   out += "<title>" + name + "</title>\n";
-  out += formatted("<rect width=\"%d\" height=\"%d\" rx=\"10\" fill=\"#0d1117\"/>\n", width, height);
+  out += fmt::sprintf("<rect width=\"%d\" height=\"%d\" rx=\"10\" fill=\"#0d1117\"/>\n", width, height);
   append_paths(out, dots, "stroke-width=\"3.6\" stroke-linecap=\"round\"");
   append_paths(out, lines, "fill=\"none\" stroke-width=\"1.2\"");
   append_paths(out, bars, "stroke-width=\"6\"");
-  out += formatted(
+  out += fmt::sprintf(
       "<g font-family=\"ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace\" font-size=\"%d\" "
       "xml:space=\"preserve\" lengthAdjust=\"spacingAndGlyphs\">\n",
       kFontSize);

@@ -44,7 +44,8 @@ class Perceptron {
 /// metres: positive and smooth, about `raw` where that is large.
 [[nodiscard]] inline float expected_error_m(float raw) noexcept {
   constexpr float kLeast_m = 0.01F;
-  return 0.5F * (raw + std::sqrt(raw * raw + 4 * kLeast_m * kLeast_m));
+  const float root = std::sqrt(raw * raw + 4 * kLeast_m * kLeast_m);
+  return raw > 0 ? 0.5F * (raw + root) : 2 * kLeast_m * kLeast_m / (root - raw);  // the same, and no difference is lost
 }
 
 }  // namespace armature

@@ -22,7 +22,7 @@ void fix_order_of_sums() {
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
 }
 
-/// In (-1, 1).
+/// In [-1, 1].
 float symmetric_unit(TrainingRandom& random) {
   return static_cast<float>(random.between(-(1 << 20), 1 << 20)) / static_cast<float>(1 << 20);
 }
@@ -180,8 +180,9 @@ Expected<Perceptron> train_offsets(const OffsetExamples& examples, const Percept
         in.row(i) = (known.row(example) - mean).cwiseQuotient(deviation);
         out_m.row(i) = wanted_m.row(example);
       }
-      // Twice the deviation of a uniform number in (-1, 1) is close enough to a normal one.
-      for (float& x : in.reshaped<Eigen::RowMajor>()) x += 1.7F * options.input_noise * symmetric_unit(random);
+      // A uniform number in [-1, 1] has a deviation of 1 / sqrt 3.
+      for (float& x : in.reshaped<Eigen::RowMajor>())
+        x += std::sqrt(3.0F) * options.input_noise * symmetric_unit(random);
       network.backward(loss_gradient(network.forward(in), out_m));
       network.step(step, options.decay);
     }

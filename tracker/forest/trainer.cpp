@@ -112,7 +112,7 @@ Expected<Forest> train_forest(const TrainerOptions& options, const TrainingImage
     if (!*tree) return tl::unexpected(interrupted(options));
     trees.push_back(std::move(**tree));
   }
-  if (!options.checkpoint.empty() && ranks.rank() == 0) {
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && ranks.rank() == 0) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }

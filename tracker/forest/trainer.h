@@ -41,6 +41,7 @@ struct TrainerOptions {
   int threads = 0;                   ///< 0: as many as there are cores, or one for each of several ranks
   std::string command;               ///< recorded in the model
   std::filesystem::path checkpoint;  ///< where finished subtrees are kept; empty: nowhere
+  bool keep_checkpoint = false;      ///< also when all is done: the caller has more to do, and removes it
   bool resume = false;               ///< take what the checkpoint holds instead of training it again
 };
 inline constexpr int kMaxNodeSamples = 32768;

@@ -9,6 +9,7 @@ namespace {
 constexpr std::array kTorso = {JointId::Chest, JointId::Torso,        JointId::Waist,
                                JointId::Neck,  JointId::LeftShoulder, JointId::RightShoulder};
 constexpr float kTypicalDistance_m = 3;
+constexpr float kMaxOffset_m = 2;
 constexpr float kHalfConfidence_m = 0.10F;  // the expected error at which a joint is as good as not
 
 }  // namespace
@@ -44,9 +45,12 @@ void JointCorrection::apply(Skeleton& skeleton) const noexcept {
   network->evaluate(inputs, outputs);
   for (std::size_t j = 0; j < kJointCount; ++j) {
     Joint& joint = skeleton.joints[j];
-    joint.position += frame.turned_back({outputs[3 * j], outputs[3 * j + 1], outputs[3 * j + 2]});
+    if (joint.state == JointState::Lost) continue;
+    const Eigen::Vector3f offset(outputs[3 * j], outputs[3 * j + 1], outputs[3 * j + 2]);
+    if (!(offset.squaredNorm() <= kMaxOffset_m * kMaxOffset_m)) continue;  // a network that has gone wild
+    joint.position += frame.turned_back(offset);
     const float error = expected_error_m(outputs[3 * kJointCount + j]) / kHalfConfidence_m;
-    joint.confidence = 1 / (1 + error * error);
+    joint.confidence = std::isfinite(error) ? 1 / (1 + error * error) : 0;
   }
 }
 

@@ -41,7 +41,7 @@ class JointCorrection {
  public:
   explicit JointCorrection(std::shared_ptr<const Forest> forest) : forest_(std::move(forest)) {}
 
-  /// Positions and confidences of `skeleton`; nothing where the forest knows no correction.
+  /// Positions and confidences of `skeleton`; a lost joint stays lost, and all stay where the forest knows no correction.
   void apply(Skeleton& skeleton) const noexcept;
 
  private:

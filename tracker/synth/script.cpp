@@ -77,20 +77,11 @@ Script pair(char letter, MotionId turn, MotionId walk) {
   return script;
 }
 
-ArmPose arm(double out, double up, double forward, double swivel = 0.1, double flex = 0) {
-  ArmPose pose;
-  pose.wrist = {out, up, forward};
-  pose.elbow_swivel = swivel;
-  pose.hangs = 0.2;
-  pose.wrist_flex = flex;
-  return pose;
-}
-
 Script arms() {
-  const ArmPose wave_out = arm(0.55, 0.45, 0.25, 0.5), wave_in = arm(0.15, 0.60, 0.30, 0.5);
-  const ArmPose crossed = arm(-0.40, -0.36, 0.32, 0.3, 0.3), ahead = arm(0.0, 0.0, 0.95);
-  const ArmPose sideways = arm(0.95, 0.0, 0.10), phone = arm(-0.02, 0.26, 0.20, 0.3, 0.4);
-  const ArmPose hip = arm(0.05, -0.66, 0.08, 0.9, 0.6), up = arm(0.15, 0.95, 0.12);
+  const ArmPose wave_out = busy_arm(0.55, 0.45, 0.25, 0.5), wave_in = busy_arm(0.15, 0.60, 0.30, 0.5);
+  const ArmPose crossed = busy_arm(-0.40, -0.36, 0.32, 0.3, 0.3), ahead = busy_arm(0.0, 0.0, 0.95);
+  const ArmPose sideways = busy_arm(0.95, 0.0, 0.10), phone = busy_arm(-0.02, 0.26, 0.20, 0.3, 0.4);
+  const ArmPose hip = busy_arm(0.05, -0.66, 0.08, 0.9, 0.6), up = busy_arm(0.15, 0.95, 0.12);
   Script script;
   script.name = "arms";
   script.description = "stands; waves, reaches, crosses the arms, phones; no motion that navigates";
@@ -230,6 +221,15 @@ std::vector<Script> make_scripts() {
 }
 
 }  // namespace
+
+ArmPose busy_arm(double out, double up, double forward, double swivel, double flex) {
+  ArmPose pose;
+  pose.wrist = {out, up, forward};
+  pose.elbow_swivel = swivel;
+  pose.hangs = 0.2;
+  pose.wrist_flex = flex;
+  return pose;
+}
 
 double value_at(std::span<const Key> keys, double time_s) noexcept {
   if (keys.empty()) return 0;

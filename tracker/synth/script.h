@@ -65,6 +65,9 @@ struct Gait {
 /// How somebody rests.
 enum class Posture : std::uint8_t { Standing, LegsTogether, Chair, Wheelchair };
 
+/// An arm that does something, moving with the chest for the most part: the wrist as in ArmPose.
+[[nodiscard]] ArmPose busy_arm(double out, double up, double forward, double swivel = 0.1, double flex = 0);
+
 struct ActorScript {
   Posture posture = Posture::Standing;
   std::vector<Waypoint> path = {Waypoint{}};

@@ -270,7 +270,7 @@ TEST(Build, HasTheSizesOfTheThesisWithItsSettings) {
   EXPECT_LT(errors->mean_approximation_to_input, 1.1 * 0.620);
 }
 
-TEST(Build, FitsTheElephantBetterThanTheThesis) {
+TEST(Build, ReachesItsGoalOnTheElephantThatItsRadiusBoundWasChosenOn) {
   const std::filesystem::path path = "../shared/data/meshes/elephant_24955.off";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
   const auto mesh = read_mesh(path);

@@ -107,6 +107,7 @@ TEST(PerceptronTrainer, NothingToLearnFromAndAStopAreErrors) {
 TEST(ExpectedError, IsPositiveAndSmooth) {
   EXPECT_FLOAT_EQ(expected_error_m(0), 0.01F);
   EXPECT_GT(expected_error_m(-1), 0);
+  EXPECT_GT(expected_error_m(-1000), 0);
   EXPECT_NEAR(expected_error_m(0.3F), 0.3, 0.001);
 }
 

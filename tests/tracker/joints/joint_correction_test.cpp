@@ -1,11 +1,9 @@
 #include "tracker/joints/joint_correction.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
-
-#include "tracker/forest/perceptron_trainer.h"
-#include "tracker/joints/correction_trainer.h"
 
 namespace armature {
 namespace {
@@ -72,6 +70,25 @@ TEST(JointCorrection, MovesJointsAlongTheFrameAndSaysHowSureItIs) {
   EXPECT_TRUE(skeleton[JointId::Head].position.isApprox(before[JointId::Head].position + 0.05F * ahead, 1e-5F));
   EXPECT_EQ(skeleton[JointId::LeftFoot].position, before[JointId::LeftFoot].position);
   EXPECT_NEAR(skeleton[JointId::Waist].confidence, 0.5, 0.01);  // 10 cm expected
+}
+
+TEST(JointCorrection, ALostJointStaysLostWhereItWas) {
+  std::vector<float> bias(kCorrectionOutputs, 0.05F);
+  Skeleton skeleton = some_skeleton();
+  skeleton[JointId::Head] = {{1, 2, 3}, 0, JointState::Lost};
+  JointCorrection(forest_with(bias)).apply(skeleton);
+  EXPECT_EQ(skeleton[JointId::Head].position, Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(skeleton[JointId::Head].confidence, 0);
+  EXPECT_NE(skeleton[JointId::Neck].position, some_skeleton()[JointId::Neck].position);
+}
+
+TEST(JointCorrection, ANetworkThatGoesWildMovesNothing) {
+  std::vector<float> bias(kCorrectionOutputs, std::numeric_limits<float>::max());
+  Skeleton skeleton = some_skeleton();
+  JointCorrection(forest_with(bias)).apply(skeleton);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_EQ(skeleton.joints[j].position, some_skeleton().joints[j].position) << j;
+  }
 }
 
 TEST(JointCorrection, AForestWithoutOneLeavesJointsAlone) {

@@ -115,15 +115,14 @@ Expected<void> build(const BuildOptions& options) {
   const auto built = ours(sdk::build_hierarchy(*mesh, *settings, call.task()));
   if (!built) return fail(options.in + ": " + built.error().message);
   const sdk::Hierarchy& hierarchy = built->hierarchy;
-  if (!options.hierarchy_out.empty()) {
-    auto written = ours(sdk::write_hierarchy(hierarchy, options.hierarchy_out));
-    if (!written) return written;
-  }
-
   if (!options.spheres) spheres = std::max(spheres, hierarchy.min_spheres());
   if (spheres < hierarchy.min_spheres()) {
     return fail(fmt::format("{}: {}: no fewer than {} spheres are left; {} were asked for", options.in, limits(options),
                             hierarchy.min_spheres(), spheres));
+  }
+  if (!options.hierarchy_out.empty()) {
+    auto written = ours(sdk::write_hierarchy(hierarchy, options.hierarchy_out));
+    if (!written) return written;
   }
 
   double refine_ms = 0;
@@ -203,15 +202,18 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
       ->type_name("FILE");
   CLI::Option* labels =
       command
-          ->add_option("--labels", options->labels,
-                       "never join vertices with different labels: a text file with a whole number for each vertex of "
-                       "IN, a line each. Refining then moves spheres and changes nothing else")
+          ->add_option(
+              "--labels", options->labels,
+              "never join vertices with different labels: a text file with a whole number for each vertex of "
+              "IN, a line each. Refining then keeps the connectivity; --inner may still drop edges and triangles")
           ->type_name("FILE");
-  command->add_flag("--painted", options->painted, "take the colours of IN's vertices as labels")->excludes(labels);
-  command->add_flag("--paper", options->paper,
-                    "the settings of the thesis: importance 1, regularise 0; collapses ranked by the error of the "
-                    "sphere that they make, not "
-                    "by what they add; radii bounded along the model's axes, not its own");
+  command->add_flag("--painted", options->painted, "take the colours of IN's vertices as labels, as --labels does")
+      ->excludes(labels);
+  command->add_flag(
+      "--paper", options->paper,
+      "the settings of the thesis: importance 1, regularise 0; collapses ranked by the error of the "
+      "sphere that they make, not "
+      "by what they add; radii bounded by 3/4 of a width, not 1.2, along the axes of the file, not of the shape");
   command->add_flag("--refine", options->refine, "then fit what is interpolated between the spheres, both ways");
   CLI::Option* inner = command->add_flag("--inner", options->inner,
                                          "refine so that the spheres stay within the mesh, which must be closed");

@@ -24,7 +24,7 @@ enum class FitMode : std::uint8_t {
 struct RefineOptions {
   FitMode mode = FitMode::Best;  ///< on which side it may err
   /// How often, at most, spheres are moved to where the error is and the connectivity is repaired, each time with some
-  /// steps of Gauss-Newton; a round that gains little is the last one. 0 keeps the connectivity.
+  /// steps of Gauss-Newton; a kept round that gains less than 1 % is the last one. 0 keeps the connectivity.
   int rounds = 3;
   /// Steps of Gauss-Newton in a round; four times as many in all where there are no rounds.
   int steps = 8;
