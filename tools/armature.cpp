@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/select/select.h"
 
 namespace {
 
@@ -20,6 +21,7 @@ void add_commands(CLI::App& app, Run& run) {
   add_render(app, run);
 #endif
   add_replay(app, run);
+  add_select(app, run);
   add_spheremesh(app, run);
   add_synth(app, run);
 }

@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/mesh/measures.h>
+#include <tbb/parallel_for.h>
+
+#include "sdk/expansion/enclosing_ball.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+constexpr int kBins = 10;               // along distance and along angle
+constexpr double kSamples = 1000;       // of a component, about
+constexpr std::size_t kPairs = 64;      // places at which two components are held against each other
+constexpr double kCopy = 0.02;          // how far those of copies may leave each other, of the root mean square radius
+constexpr double kClearlyBetter = 0.5;  // a mirror image must fit so much better than the thing itself
+
+/// A small piece of a surface.
+struct Sample {
+  Vector3d point;
+  Vector3d normal;
+  double area;
+};
+
+/// A component cut into about `kSamples` pieces of like area, each face into k^2 triangles; so that neither the context
+/// nor the axes depend on how the component is triangulated, or turned.
+std::vector<Sample> samples_of(const Mesh& mesh, std::span<const FaceId> faces) {
+  double total = 0;
+  for (const FaceId face : faces) total += area_vector(mesh, face).norm();
+  std::vector<Sample> samples;
+  for (const FaceId face : faces) {
+    const Vector3d area = area_vector(mesh, face);
+    const double size = area.norm();
+    if (!(size > 0)) continue;
+    const int k = std::max(1, static_cast<int>(std::lround(std::sqrt(kSamples * size / total))));
+    const Vector3d& a = mesh.corner(face, 0);
+    const Vector3d u = (mesh.corner(face, 1) - a) / k;
+    const Vector3d v = (mesh.corner(face, 2) - a) / k;
+    for (int i = 0; i < k; ++i)
+      for (int j = 0; i + j < k; ++j) {
+        samples.push_back({a + (i + 1 / 3.) * u + (j + 1 / 3.) * v, area / size, size / (k * k)});
+        if (i + j + 1 < k) samples.push_back({a + (i + 2 / 3.) * u + (j + 2 / 3.) * v, area / size, size / (k * k)});
+      }
+  }
+  return samples;
+}
+
+/// Spreads a mass over the bins on both sides of a place, in [0, 1].
+struct Binned {
+  int bin;
+  double share;  // of the next bin
+  explicit Binned(double place) {
+    const double at = std::clamp(place * kBins - 0.5, 0.0, kBins - 1.0);
+    bin = std::min(static_cast<int>(at), kBins - 2);
+    share = at - bin;
+  }
+};
+
+/// The approximate shape context of algorithm 1, of the surface that faces away from its middle.
+Histogram context_of(const std::vector<Sample>& samples, const EnclosingBall& ball) {
+  double volume = 0;
+  for (const Sample& s : samples) volume += s.area * s.normal.dot(s.point - ball.centre);
+  const double outward = volume < 0 ? -1 : 1;
+  Histogram context(std::size_t{kBins} * kBins, 0.0F);
+  for (const Sample& s : samples) {
+    const Vector3d from_centre = s.point - ball.centre;
+    const double distance = from_centre.norm();
+    const double cosine = distance > 0 ? outward * s.normal.dot(from_centre) / distance : 1;
+    const Binned d(ball.radius > 0 ? distance / ball.radius : 0);
+    const Binned theta(std::acos(std::clamp(cosine, -1.0, 1.0)) / std::numbers::pi);
+    const auto add = [&](int i, int j, double mass) {
+      context[static_cast<std::size_t>(i * kBins + j)] += static_cast<float>(mass);
+    };
+    add(d.bin, theta.bin, s.area * (1 - d.share) * (1 - theta.share));
+    add(d.bin, theta.bin + 1, s.area * (1 - d.share) * theta.share);
+    add(d.bin + 1, theta.bin, s.area * d.share * (1 - theta.share));
+    add(d.bin + 1, theta.bin + 1, s.area * d.share * theta.share);
+  }
+  normalise(context);
+  return context;
+}
+
+constexpr std::array<std::array<Eigen::Index, 3>, 10> kCubic = {
+    {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 1}, {0, 1, 2}, {0, 2, 2}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {2, 2, 2}}};
+
+ComponentShape shape_of(const Mesh& mesh, std::span<const FaceId> faces) {
+  std::vector<Vector3d> corners;
+  for (const FaceId face : faces)
+    for (std::size_t k = 0; k < 3; ++k) corners.push_back(mesh.corner(face, k));
+  const EnclosingBall ball = smallest_enclosing_ball(corners);
+  const std::vector<Sample> samples = samples_of(mesh, faces);
+
+  ComponentShape shape{.radius = ball.radius};
+  shape.context = context_of(samples, ball);
+  shape.centroid = ball.centre;
+  if (samples.empty()) return shape;
+  shape.centroid.setZero();
+  for (const Sample& s : samples) {
+    shape.area += s.area;
+    shape.centroid += s.area * s.point;
+  }
+  shape.centroid /= shape.area;
+  Matrix3d covariance = Matrix3d::Zero();
+  for (const Sample& s : samples) {
+    const Vector3d x = s.point - shape.centroid;
+    covariance += s.area / shape.area * x * x.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(covariance);
+  shape.axes = principal.eigenvectors().rowwise().reverse();
+  if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
+  shape.spread = principal.eigenvalues().reverse().cwiseMax(0);
+  const double rms = std::sqrt(shape.spread.sum());
+  if (!(rms > 0)) return shape;
+  for (const Sample& s : samples) {
+    const Vector3d x = shape.axes.transpose() * (s.point - shape.centroid) / rms;
+    for (std::size_t m = 0; m < kCubic.size(); ++m)
+      shape.skew[m] += s.area / shape.area * x[kCubic[m][0]] * x[kCubic[m][1]] * x[kCubic[m][2]];
+  }
+  return shape;
+}
+
+/// A turn, mirrored or not, and how badly it fits: 0 is well.
+struct Turn {
+  Matrix3d reference_from_match = Matrix3d::Identity();
+  double misfit = 0;
+};
+
+/// One that keeps the handedness, and one that does not.
+struct Turns {
+  Turn proper, mirrored;
+  [[nodiscard]] bool prefer_mirrored(double worth_it) const {
+    return proper.misfit > worth_it && mirrored.misfit < kClearlyBetter * proper.misfit;
+  }
+};
+
+/// The turns that take principal axes to principal axes, with the ends that the third moments choose.
+Turns turns_of_axes(const ComponentShape& match, const ComponentShape& reference) {
+  constexpr double kNone = 1e300;
+  Turns turns{{.misfit = kNone}, {.misfit = kNone}};
+  for (unsigned ends = 0; ends < 8; ++ends) {
+    const Vector3d sign((ends & 1U) != 0 ? -1 : 1, (ends & 2U) != 0 ? -1 : 1, (ends & 4U) != 0 ? -1 : 1);
+    double misfit = 0;
+    for (std::size_t m = 0; m < kCubic.size(); ++m) {
+      const auto& [i, j, k] = kCubic[m];
+      misfit += std::pow(sign[i] * sign[j] * sign[k] * match.skew[m] - reference.skew[m], 2);
+    }
+    misfit = std::sqrt(misfit);
+    Turn& best = sign.prod() > 0 ? turns.proper : turns.mirrored;
+    if (misfit < best.misfit) best = {reference.axes * sign.asDiagonal() * match.axes.transpose(), misfit};
+  }
+  return turns;
+}
+
+Vector3d middle(const Mesh& mesh, FaceId face) {
+  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+}
+
+/// The turns that lay the faces of one component onto those of another in their order, as if it were its copy (Kabsch
+/// 1976). The misfit is the root mean square distance over the reference's root mean square radius.
+Turns turns_of_copies(const Mesh& mesh, std::span<const FaceId> match, const ComponentShape& match_shape,
+                      std::span<const FaceId> reference, const ComponentShape& reference_shape, double scale) {
+  const std::size_t pairs = std::min(kPairs, match.size());
+  Matrix3d covariance = Matrix3d::Zero();
+  double spread = 0;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const std::size_t place = i * match.size() / pairs;
+    const Vector3d m = scale * (middle(mesh, match[place]) - match_shape.centroid);
+    const Vector3d r = middle(mesh, reference[place]) - reference_shape.centroid;
+    covariance += r * m.transpose();
+    spread += r.squaredNorm() + m.squaredNorm();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector3d& s = svd.singularValues();
+  const Matrix3d whole = svd.matrixU() * svd.matrixV().transpose();
+  const Matrix3d turned = svd.matrixU() * Vector3d(1, 1, -1).asDiagonal() * svd.matrixV().transpose();
+  const double size = static_cast<double>(pairs) * reference_shape.spread.sum();
+  const auto misfit = [&](double trace) { return std::sqrt(std::max(0.0, spread - 2 * trace) / size); };
+  const Turn with{whole, misfit(s.sum())};
+  const Turn without{turned, misfit(s[0] + s[1] - s[2])};
+  return whole.determinant() > 0 ? Turns{with, without} : Turns{without, with};
+}
+
+std::string percent(double likeness) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%.0f %%", 100 * likeness);
+  return text.data();
+}
+
+/// "1.5 times as large", or nothing.
+std::string size_in_words(double match_over_reference) {
+  if (std::abs(match_over_reference - 1) < 0.01) return ", of the same size";
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), ", %.3g times as large", match_over_reference);
+  return text.data();
+}
+
+}  // namespace
+
+Expected<ComponentIndex> ComponentIndex::build(const Mesh& mesh, const Adjacency& adjacency, const Task& task) {
+  ComponentIndex index;
+  index.mesh_ = &mesh;
+  Components components = find_components(mesh, adjacency, LinkedBy::Edges);
+  index.starts_.assign(components.count + 1, 0);
+  for (const std::uint32_t c : components.of_face)
+    if (c != Components::kNone) ++index.starts_[c + 1];
+  for (std::size_t c = 0; c < components.count; ++c) index.starts_[c + 1] += index.starts_[c];
+  index.faces_.resize(index.starts_.back());
+  std::vector<std::size_t> next(index.starts_.begin(), index.starts_.end() - 1);
+  for (std::size_t f = 0; f < components.of_face.size(); ++f)
+    if (components.of_face[f] != Components::kNone) index.faces_[next[components.of_face[f]]++] = FaceId(f);
+  index.of_face_ = std::move(components.of_face);
+  if (task.stopped()) return cancelled();
+
+  index.shapes_.resize(components.count);
+  tbb::parallel_for(std::size_t{0}, components.count, [&](std::size_t c) {
+    if (!task.stopped()) index.shapes_[c] = shape_of(mesh, index.faces(c));
+  });
+  if (task.stopped()) return cancelled();
+  return index;
+}
+
+Expected<std::uint32_t> ComponentIndex::component_of(FaceId face) const {
+  if (face.index() >= of_face_.size())
+    return fail("face " + std::to_string(face.index()) + " is not there: the mesh has faces 0 to " +
+                std::to_string(of_face_.size()) + ", less one");
+  if (of_face_[face.index()] == Components::kNone)
+    return fail("face " + std::to_string(face.index()) +
+                " names a vertex twice and belongs to no component; click another");
+  return of_face_[face.index()];
+}
+
+Expected<std::vector<FaceId>> ComponentIndex::select(FaceId face) const {
+  return component_of(face).map([this](std::uint32_t component) {
+    const auto all = faces(component);
+    return std::vector<FaceId>(all.begin(), all.end());
+  });
+}
+
+Expected<Expansion> ComponentIndex::expand(FaceId face) const {
+  const auto chosen = component_of(face);
+  if (!chosen) return tl::unexpected(chosen.error());
+  const ComponentShape& reference = shapes_[*chosen];
+  std::vector<Candidate> candidates;
+  std::vector<Rejected> rejected;
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (c == *chosen) continue;
+    const ComponentShape& shape = shapes_[c];
+    const auto its_faces = faces(c);
+    if (!(shape.area > 0) || !(reference.area > 0)) {
+      rejected.push_back({its_faces[its_faces.size() / 2], "it or the reference has no area"});
+      continue;
+    }
+    const double scale = std::sqrt(reference.spread.sum() / shape.spread.sum());
+    Turns turns = turns_of_axes(shape, reference);
+    bool mirrored = turns.prefer_mirrored(0.01);
+    bool copy = false;
+    if (its_faces.size() == faces(*chosen).size()) {
+      const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, faces(*chosen), reference, scale);
+      const bool image = of_copies.prefer_mirrored(1e-6);
+      if ((image ? of_copies.mirrored : of_copies.proper).misfit < kCopy) {
+        turns = of_copies;
+        mirrored = image;
+        copy = true;
+      }
+    }
+    const double score = 1 - chi_square(shape.context, reference.context);
+    Match match{.faces = {its_faces.begin(), its_faces.end()}, .score = score, .mirrored = mirrored};
+    const Matrix3d A = scale * (mirrored ? turns.mirrored : turns.proper).reference_from_match;
+    match.reference_from_match.topLeftCorner<3, 3>() = A;
+    match.reference_from_match.topRightCorner<3, 1>() = reference.centroid - A * shape.centroid;
+    match.reason = (copy ? "a copy" : "area lies " + percent(score) + " alike about the centre") +
+                   (mirrored ? ", mirrored" : "") + size_in_words(1 / scale);
+    candidates.push_back({std::move(match), shape.context});
+  }
+  const auto all = faces(*chosen);
+  return Expansion({all.begin(), all.end()}, std::move(candidates), std::move(rejected));
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Runs `armature select` as a user would.
+
+usage: select_command_test.py BUILD_DIRECTORY
+"""
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ARMATURE = Path(sys.argv[1]) / "bin" / "armature"
+CUBE = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+SQUARES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+
+
+def boxes(*placed):
+    """Boxes in OFF, of squares: (shift along x, height) each."""
+    lines = [f"OFF\n{8 * len(placed)} {6 * len(placed)} 0"]
+    lines += [f"{x + shift} {y} {z * height}" for shift, height in placed for x, y, z in CUBE]
+    lines += ["4 " + " ".join(str(corner + 8 * i) for corner in square) for i in range(len(placed)) for square in SQUARES]
+    return "\n".join(lines) + "\n"
+
+
+def run(*arguments):
+    return subprocess.run([ARMATURE, "select", *map(str, arguments)], capture_output=True, text=True, timeout=300)
+
+
+class Select(unittest.TestCase):
+    def setUp(self):
+        self.directory = tempfile.TemporaryDirectory()
+        self.addCleanup(self.directory.cleanup)
+        self.mesh = self.file("boxes.off", boxes((0, 1), (3, 4), (6, 1), (9, 2)))
+
+    def file(self, name, content):
+        path = Path(self.directory.name) / name
+        path.write_text(content)
+        return path
+
+    def select(self, gesture, *arguments):
+        result = run(self.mesh, "--gesture", self.file("gesture.json", json.dumps(gesture)), "--json", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout.count("\n"), 1)
+        return json.loads(result.stdout)
+
+    def assert_refused(self, text, *words):
+        path = self.file("refused.json", text)
+        result = run(self.mesh, "--gesture", path)
+        self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        for word in (path, *words):
+            self.assertIn(str(word), result.stderr)
+
+    def test_a_component_and_the_one_like_it(self):
+        result = self.select({"tool": "component", "face": 5}, "--expand", 2)
+        self.assertEqual(set(result), {"reference", "matches", "rejected", "timings_ms"})
+        self.assertEqual(result["reference"]["faces"], list(range(12)))
+        best, second = result["matches"]
+        self.assertEqual(best["faces"], list(range(24, 36)))  # two triangles a square
+        self.assertAlmostEqual(best["score"], 1, 5)
+        self.assertEqual(second["faces"], list(range(36, 48)))
+        self.assertLess(second["score"], best["score"])
+        for value, expected in zip(best["transform"], [1, 0, 0, -6, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]):
+            self.assertAlmostEqual(value, expected, 9)
+        self.assertTrue(best["reason"])
+
+    def test_no_expansion_is_asked_for(self):
+        self.assertEqual(self.select({"tool": "component", "face": 5})["matches"], [])
+
+    def test_the_picture_shows_reference_and_matches(self):
+        out = Path(self.directory.name) / "like.ply"
+        self.select({"tool": "component", "face": 0}, "--expand", 1, "--ply", out)
+        faces = out.read_bytes().split(b"end_header\n")[1][-48 * 16:]
+        colours = [faces[16 * i + 13:16 * i + 16] for i in range(48)]
+        self.assertEqual(len({bytes(c) for c in colours}), 3)
+        self.assertGreater(colours[0][0], colours[0][2])
+        self.assertGreater(colours[24][2], colours[24][0])
+
+    def test_wrong_gestures_are_refused_with_their_place(self):
+        self.assert_refused("", "line 1, column 1")
+        self.assert_refused('{"tool":"component",\n"face":}', "line 2, column 8")
+        self.assert_refused("[]", "object")
+        self.assert_refused('{"face":1}', '"tool"', "missing")
+        self.assert_refused('{"tool":"lasso"}', '"component"', '"lasso"')
+        self.assert_refused('{"tool":"component"}', '"face"', "missing")
+        self.assert_refused('{"tool":"component","face":48}', "0 to 47", "48")
+        self.assert_refused('{"tool":"component","face":-1}', "-1")
+        self.assert_refused('{"tool":"component","face":1.5}', "1.5")
+        self.assert_refused('{"tool":"component","face":NaN}', "line 1")
+        self.assert_refused('{"tool":"component","face":1e999}', "number")
+        self.assert_refused('{"tool":"component","face":1,"face":2}', '"face"', "twice")
+        self.assert_refused('{"tool":"component","face":1,"faces":2}', '"faces"', "no key")
+        self.assert_refused("[" * 100_000, "line 1")
+
+    def test_wrong_use_exits_2(self):
+        for arguments in ((), (self.mesh,), (self.mesh, "--gesture", "g.json", "--expand", "-1")):
+            self.assertEqual(run(*arguments).returncode, 2, arguments)
+        self.assertEqual(run(self.mesh, "--gesture", "missing.json").returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,140 @@
+#include "tools/commands/select/gesture.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands/choices.h"
+
+namespace armature::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 26U;
+
+/// A text from a hostile file as messages show it: short and printable.
+std::string shown(std::string_view text) {
+  std::string result;
+  for (const char c : text.substr(0, 40)) result += c >= ' ' && c <= '~' ? c : '?';
+  return '"' + result + (text.size() > 40 ? "...\"" : "\"");
+}
+
+std::string shown_value(const Json& value) {
+  if (value.is_string()) return shown(value.get_ref<const std::string&>());
+  if (value.is_structured()) return value.is_array() ? "a list" : "an object";
+  return value.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+/// The gesture's JSON as the reader walks it: every failure names the file and the place.
+class Reader {
+ public:
+  Reader(std::string_view name, std::size_t faces) : name_(name), faces_(faces) {}
+
+  Expected<Json> parse(std::string_view bytes) const {
+    std::vector<std::set<std::string>> keys;  // by depth, of the objects that are open
+    std::optional<std::string> twice;
+    const auto look = [&](int, Json::parse_event_t event, Json& value) {
+      if (event == Json::parse_event_t::object_start) keys.emplace_back();
+      if (event == Json::parse_event_t::object_end) keys.pop_back();
+      if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+        twice = value.get<std::string>();
+      return true;
+    };
+    try {
+      Json json = Json::parse(bytes.begin(), bytes.end(), look);
+      if (twice) return refuse(shown(*twice), "stands there twice; keep one");
+      return json;
+    } catch (const Json::parse_error& error) {
+      const std::string_view before = bytes.substr(0, error.byte);
+      const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+      const std::size_t column = before.size() - std::min(before.size(), before.rfind('\n') + 1);
+      return fail(
+          fmt::format("{}, line {}, column {}: is no JSON; expected a gesture as in {{\"tool\":\"component\","
+                      "\"face\":0}}",
+                      name_, line, std::max<std::size_t>(1, column)));
+    } catch (const Json::exception&) {
+      return fail(fmt::format("{}: holds a number that is too large; expected finite numbers", name_));
+    }
+  }
+
+  Expected<Gesture> gesture(const Json& json) const {
+    if (!json.is_object()) return fail(fmt::format("{}: expected an object, found {}", name_, shown_value(json)));
+    const auto tool = json.find("tool");
+    if (tool == json.end()) return refuse("\"tool\"", fmt::format("is missing; expected one of {}", tools()));
+    const auto known = std::ranges::find(kTools, tool->is_string() ? tool->get<std::string>() : "",
+                                         [](const auto& entry) { return std::string(entry.first); });
+    if (known == kTools.end())
+      return refuse("\"tool\"", fmt::format("expected one of {}, found {}", tools(), shown_value(*tool)));
+    return (this->*known->second)(json);
+  }
+
+ private:
+  using Tool = Expected<Gesture> (Reader::*)(const Json&) const;
+  static const std::array<std::pair<const char*, Tool>, 1> kTools;
+
+  static std::string tools() {
+    std::vector<std::string> names;
+    for (const std::string& name : names_of(kTools)) names.push_back('"' + name + '"');
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+
+  Expected<Gesture> component(const Json& json) const {
+    if (auto checked = only_keys(json, {"tool", "face"}); !checked) return tl::unexpected(checked.error());
+    const auto face = json.find("face");
+    if (face == json.end()) return refuse("\"face\"", "is missing; expected the number of a face, from 0");
+    if (!face->is_number_unsigned() || face->get<std::uint64_t>() >= faces_)
+      return refuse("\"face\"", fmt::format("expected a whole number from 0 to {}, the mesh's last face, found {}",
+                                            faces_ - 1, shown_value(*face)));
+    return ComponentGesture{sdk::FaceId(face->get<std::uint64_t>())};
+  }
+
+  Expected<void> only_keys(const Json& json, std::initializer_list<std::string_view> known) const {
+    for (const auto& [key, value] : json.items())
+      if (std::ranges::find(known, key) == known.end())
+        return refuse(shown(key), fmt::format("is no key of this tool; it has {}", fmt::join(known, ", ")));
+    return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> refuse(const std::string& place, const std::string& what) const {
+    return fail(fmt::format("{}, {}: {}", name_, place, what));
+  }
+
+  std::string_view name_;
+  std::size_t faces_;
+};
+
+const std::array<std::pair<const char*, Reader::Tool>, 1> Reader::kTools = {{{"component", &Reader::component}}};
+
+}  // namespace
+
+Expected<Gesture> parse_gesture(std::string_view bytes, std::string_view name, std::size_t faces) {
+  if (faces == 0) return fail(fmt::format("{}: the mesh has no face to select", name));
+  if (bytes.size() > kLargestFile) return fail(fmt::format("{}: is larger than 64 MB; draw shorter strokes", name));
+  const Reader reader(name, faces);
+  return reader.parse(bytes).and_then([&](const Json& json) { return reader.gesture(json); });
+}
+
+Expected<Gesture> read_gesture(const std::string& file, std::size_t faces) {
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes;
+  if (in) {
+    bytes.resize(kLargestFile + 1);
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(in.gcount()));
+  }
+  if (in.bad() || !in.is_open()) return fail(file + ": cannot be read; expected a gesture as JSON");
+  return parse_gesture(bytes, file, faces);
+}
+
+}  // namespace armature::tools

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include <armature/sdk/mesh/ids.h>
+
+#include "firmware_host/error.h"
+
+namespace armature::tools {
+
+/// A click on a connected component: {"tool":"component","face":F}.
+struct ComponentGesture {
+  sdk::FaceId face;
+};
+
+/// What a user does to select a region.
+using Gesture = std::variant<ComponentGesture>;
+
+/// Reads a gesture from JSON, for a mesh of so many faces. Refused in one line with the place: what is not JSON, keys
+/// that are unknown, missing or there twice, numbers that are not finite, faces that are not there. `name` stands for
+/// the file in messages.
+[[nodiscard]] Expected<Gesture> parse_gesture(std::string_view bytes, std::string_view name, std::size_t faces);
+
+/// The same of a file.
+[[nodiscard]] Expected<Gesture> read_gesture(const std::string& file, std::size_t faces);
+
+}  // namespace armature::tools

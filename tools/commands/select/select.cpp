@@ -1,0 +1,141 @@
+#include "tools/commands/select/select.h"
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/io/write_mesh.h>
+#include <fmt/format.h>
+
+#include "tools/commands/select/gesture.h"
+#include "tools/commands/select/paint.h"
+#include "tools/elapsed.h"
+#include "tools/json_lines.h"
+#include "tools/sdk_call.h"
+
+namespace armature::tools {
+namespace {
+
+struct Arguments {
+  std::string mesh, gesture, ply;
+  std::size_t expand = 0;
+  bool json = false;
+};
+
+/// What came of a gesture, and how long it took by step, in milliseconds.
+struct Outcome {
+  sdk::Expansion expansion;
+  Json timings_ms;
+};
+
+/// Does what each gesture asks for.
+struct Select {
+  const sdk::Mesh& mesh;
+  const sdk::Task& task;
+
+  sdk::Expected<Outcome> operator()(const ComponentGesture& gesture) const {
+    const auto start = std::chrono::steady_clock::now();
+    const sdk::Adjacency adjacency(mesh);
+    const auto index = sdk::ComponentIndex::build(mesh, adjacency, task);
+    if (!index) return tl::unexpected(index.error());
+    const double load_ms = milliseconds_since(start);
+    const auto clicked = std::chrono::steady_clock::now();
+    auto expansion = index->expand(gesture.face);
+    if (!expansion) return tl::unexpected(expansion.error());
+    return Outcome{std::move(*expansion), {{"load", number(load_ms)}, {"expand", number(milliseconds_since(clicked))}}};
+  }
+};
+
+Json to_json(std::span<const sdk::FaceId> faces) {
+  Json json = Json::array();
+  for (const sdk::FaceId face : faces) json.push_back(face.index());
+  return json;
+}
+
+Json to_json(const sdk::Match& match) {
+  Json transform = Json::array();
+  for (Eigen::Index row = 0; row < 4; ++row)
+    for (Eigen::Index column = 0; column < 4; ++column) transform.push_back(match.reference_from_match(row, column));
+  return {{"faces", to_json(match.faces)},
+          {"score", number(match.score)},
+          {"transform", std::move(transform)},
+          {"mirrored", match.mirrored},
+          {"reason", match.reason}};
+}
+
+Json to_json(const Outcome& outcome, std::span<const sdk::Match> matches) {
+  Json json = {{"reference", {{"faces", to_json(outcome.expansion.reference())}}},
+               {"matches", Json::array()},
+               {"rejected", Json::array()},
+               {"timings_ms", outcome.timings_ms}};
+  for (const sdk::Match& match : matches) json["matches"].push_back(to_json(match));
+  for (const sdk::Rejected& rejected : outcome.expansion.rejected())
+    json["rejected"].push_back({{"face", rejected.face.index()}, {"reason", rejected.reason}});
+  return json;
+}
+
+void print(const Outcome& outcome, std::span<const sdk::Match> matches) {
+  fmt::print("selected {} faces; {} regions compared\n", outcome.expansion.reference().size(),
+             outcome.expansion.size());
+  std::size_t place = 0;
+  for (const sdk::Match& match : matches)
+    fmt::print("{:4}  {:.3f}  {:6} faces from {:<8} {}\n", ++place, match.score, match.faces.size(),
+               match.faces.empty() ? 0 : match.faces.front().index(), match.reason);
+}
+
+Expected<void> run_select(const Arguments& arguments) {
+  SdkCall call;
+  const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
+  if (!mesh) return tl::unexpected(mesh.error());
+  const auto gesture = read_gesture(arguments.gesture, mesh->triangles.size());
+  if (!gesture) return tl::unexpected(gesture.error());
+  const auto outcome = std::visit(Select{*mesh, call.task()}, *gesture);
+  if (!outcome) return fail(arguments.gesture + ": " + outcome.error().message);
+  const auto matches = outcome->expansion.first(arguments.expand);
+  if (!arguments.ply.empty()) {
+    const sdk::Mesh picture = painted(*mesh, outcome->expansion.reference(), matches);
+    if (auto written = ours(sdk::write_mesh(picture, arguments.ply, {.format = sdk::MeshFormat::Ply})); !written)
+      return written;
+  }
+  if (arguments.json) return write_json_line(stdout, to_json(*outcome, matches));
+  print(*outcome, matches);
+  return {};
+}
+
+}  // namespace
+
+void add_select(CLI::App& app, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("select", "Select a region of a mesh, and all that are like it");
+  command->add_option("MESH", arguments->mesh, "a triangle mesh: OFF, OBJ, PLY, STL, or what assimp reads")->required();
+  command->add_option("--gesture", arguments->gesture, "what is clicked or drawn, as JSON (below)")
+      ->required()
+      ->type_name("G.json");
+  command->add_option("--expand", arguments->expand, "how many regions like it to find, best first")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str()
+      ->type_name("K");
+  command
+      ->add_option("--ply", arguments->ply, "write the mesh coloured: selection red, matches blue, paler if less alike")
+      ->type_name("OUT.ply");
+  command->add_flag("--json", arguments->json, "print the result as one line of JSON");
+  command->footer(
+      "Gestures (lengths in the model's units; faces count from 0, after polygons are cut into triangles):\n"
+      "  {\"tool\":\"component\",\"face\":F}   the connected component of face F\n\n"
+      "Result: "
+      "{\"reference\":{\"faces\":[...]},\"matches\":[{\"faces\":[...],\"score\":S,\"transform\":[16],...}],...}\n"
+      "without the reference among the matches; S is 1 for the same shape. The transform is a 4 x 4 matrix, row by\n"
+      "row, that maps the match onto the reference.\n\n"
+      "Examples:\n"
+      "  echo '{\"tool\":\"component\",\"face\":0}' > click.json\n"
+      "  armature select engine.obj --gesture click.json --expand 8 --ply like.ply\n"
+      "  armature render like.ply like.png");
+  command->callback([arguments, &run] { run = [arguments] { return run_select(*arguments); }; });
+}
+
+}  // namespace armature::tools
