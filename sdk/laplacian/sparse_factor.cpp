@@ -1,0 +1,412 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <armature/sdk/laplacian/sparse_factor.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+
+#include "sdk/laplacian/block_structure.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Panel = Eigen::Map<MatrixXd>;
+using ConstPanel = Eigen::Map<const MatrixXd>;
+
+/// Subtrees with more entries than this are worth a task of their own.
+constexpr std::size_t kTaskEntries = 1U << 16U;
+
+/// Overwrites the first `width` columns of the lower triangle of a symmetric front with its factor, and the rest with
+/// what is left of it. Returns whether all pivots were positive.
+bool factor_front(Eigen::Ref<MatrixXd> front, Index width) {
+  const Index below = front.rows() - width;
+  constexpr Index kSmall = 24;
+  if (width <= kSmall) {
+    for (Index k = 0; k < width; ++k) {
+      const double pivot = front(k, k);
+      if (!(pivot > 0)) return false;
+      const Index rest = front.rows() - k - 1;
+      front(k, k) = std::sqrt(pivot);
+      front.col(k).tail(rest) /= front(k, k);
+      for (Index j = k + 1; j < width; ++j)
+        front.col(j).tail(front.rows() - j) -= front(j, k) * front.col(k).tail(front.rows() - j);
+    }
+  } else {
+    auto pivots = front.topLeftCorner(width, width);
+    const Eigen::LLT<Eigen::Ref<MatrixXd>, Eigen::Lower> factor(pivots);
+    if (factor.info() != Eigen::Success) return false;
+    if (below > 0) {
+      auto low = front.bottomLeftCorner(below, width);
+      factor.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(low);
+    }
+  }
+  if (below > 0)
+    front.bottomRightCorner(below, below)
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(front.bottomLeftCorner(below, width), -1);
+  return true;
+}
+
+}  // namespace
+
+struct SparseFactor::State {
+  std::shared_ptr<const BlockStructure> structure;
+  std::vector<std::size_t> entries;  ///< in the subtree of each block
+  std::vector<double> values;        ///< panel behind panel
+  /// By block: the panel as it was before the first change; empty where nothing changed.
+  std::vector<std::vector<double>> original;
+  std::vector<std::uint32_t> changed;
+  std::vector<double> column;  ///< the vector of a change, gathered for a block
+
+  ConstPanel panel(std::size_t block) const {
+    return {values.data() + structure->value_starts[block], static_cast<Index>(structure->height(block)),
+            static_cast<Index>(structure->width(block))};
+  }
+  Panel panel(std::size_t block) {
+    return {values.data() + structure->value_starts[block], static_cast<Index>(structure->height(block)),
+            static_cast<Index>(structure->width(block))};
+  }
+
+  /// x = L^-1 x for the rows of a block, and what that takes from the rows below; x in the new order.
+  void forward(std::size_t block, Eigen::Ref<MatrixXd> x) const;
+  /// x = L^-T x for the rows of a block, given those below.
+  void backward(std::size_t block, Eigen::Ref<MatrixXd> x) const;
+  /// All blocks backward, parents first, subtrees side by side.
+  void backward(Eigen::Ref<MatrixXd> x) const;
+  void backward_subtree(std::uint32_t block, Eigen::Ref<MatrixXd>& x) const;
+};
+
+namespace {
+
+/// How many entries lie in each block's subtree.
+std::vector<std::size_t> subtree_entries(const BlockStructure& structure) {
+  std::vector<std::size_t> entries(structure.blocks());
+  for (std::size_t b = 0; b < entries.size(); ++b) {
+    entries[b] += structure.value_starts[b + 1] - structure.value_starts[b];
+    if (structure.parents[b] != BlockStructure::kRoot) entries[structure.parents[b]] += entries[b];
+  }
+  return entries;
+}
+
+/// Multifrontal factorisation (Duff and Reid 1983): every block takes what its children leave, factors its columns and
+/// leaves the rest.
+class Factorisation {
+ public:
+  Factorisation(const Eigen::SparseMatrix<double>& matrix, const BlockStructure& structure,
+                const std::vector<std::size_t>& entries, const Task& task, std::vector<double>& values)
+      : matrix_(matrix),
+        structure_(structure),
+        task_(task),
+        values_(values),
+        left_(structure.blocks()),
+        entries_(entries) {}
+
+  /// Returns the first block whose pivots are not all positive, or kRoot.
+  std::uint32_t run() {
+    tbb::task_group group;
+    for (std::uint32_t b = 0; b < structure_.blocks(); ++b)
+      if (structure_.parents[b] == BlockStructure::kRoot) {
+        if (entries_[b] > kTaskEntries) {
+          group.run([this, b] { subtree(b); });
+        } else {
+          subtree(b);
+        }
+      }
+    group.wait();
+    return failed_;
+  }
+
+ private:
+  void subtree(std::uint32_t block) {
+    tbb::task_group group;
+    for (const std::uint32_t child : structure_.children[block]) {
+      if (entries_[child] > kTaskEntries) {
+        group.run([this, child] { subtree(child); });
+      } else {
+        subtree(child);
+      }
+    }
+    group.wait();
+    if (!task_.stopped() && failed_ == BlockStructure::kRoot) factor(block);
+  }
+
+  void factor(std::uint32_t block) {
+    const std::uint32_t first = structure_.first(block);
+    const auto width = static_cast<Index>(structure_.width(block));
+    const auto height = static_cast<Index>(structure_.height(block));
+    const auto rows = structure_.rows(block);
+    const auto place_in_front = [&](std::uint32_t row) {
+      if (row < first + width) return static_cast<Index>(row - first);
+      return width + (std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
+    };
+    MatrixXd front = MatrixXd::Zero(height, height);
+    for (Index k = 0; k < width; ++k)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_,
+                                                            structure_.order[first + static_cast<std::size_t>(k)]);
+           entry; ++entry) {
+        const std::uint32_t row = structure_.new_place[static_cast<std::size_t>(entry.row())];
+        if (row >= first + k) front(place_in_front(row), k) = entry.value();
+      }
+    std::vector<Index> places;
+    for (const std::uint32_t child : structure_.children[block]) {
+      const auto child_rows = structure_.rows(child);
+      places.clear();
+      // Both ascend.
+      std::size_t at = 0;
+      for (const std::uint32_t row : child_rows) {
+        if (row < first + width) {
+          places.push_back(static_cast<Index>(row - first));
+          continue;
+        }
+        while (rows[at] != row) ++at;
+        places.push_back(width + static_cast<Index>(at));
+      }
+      const MatrixXd& left = left_[child];
+      for (Index j = 0; j < left.cols(); ++j) {
+        double* column = front.data() + places[static_cast<std::size_t>(j)] * height;
+        for (Index i = j; i < left.rows(); ++i) column[places[static_cast<std::size_t>(i)]] += left(i, j);
+      }
+      left_[child] = MatrixXd();
+    }
+    if (!factor_front(front, width)) {
+      std::uint32_t none = BlockStructure::kRoot;
+      failed_.compare_exchange_strong(none, block);
+      return;
+    }
+    Panel(values_.data() + structure_.value_starts[block], height, width) = front.leftCols(width);
+    if (!rows.empty()) left_[block] = front.bottomRightCorner(height - width, height - width);
+  }
+
+  const Eigen::SparseMatrix<double>& matrix_;
+  const BlockStructure& structure_;
+  const Task& task_;
+  std::vector<double>& values_;
+  std::vector<MatrixXd> left_;
+  const std::vector<std::size_t>& entries_;
+  std::atomic<std::uint32_t> failed_ = BlockStructure::kRoot;
+};
+
+}  // namespace
+
+Expected<SparseFactor> SparseFactor::of(const Eigen::SparseMatrix<double>& matrix,
+                                        std::span<const Eigen::Vector3d> positions, const Task& task) {
+  if (matrix.rows() != matrix.cols() || static_cast<std::size_t>(matrix.rows()) != positions.size())
+    return fail("a matrix of " + std::to_string(matrix.rows()) + " by " + std::to_string(matrix.cols()) + " for " +
+                std::to_string(positions.size()) + " vertices: expected a row and a column for each");
+  if (!matrix.isCompressed()) {
+    Eigen::SparseMatrix<double> compressed = matrix;
+    compressed.makeCompressed();
+    return of(compressed, positions, task);
+  }
+  task.report("ordering", 0);
+  auto state = std::make_unique<State>();
+  auto structure = std::make_shared<BlockStructure>(block_structure(matrix, nested_dissection(matrix, positions)));
+  if (task.stopped()) return cancelled();
+  task.report("factoring", 0);
+  state->entries = subtree_entries(*structure);
+  state->values.resize(structure->value_starts.back());
+  state->original.resize(structure->blocks());
+  const std::uint32_t failed = Factorisation(matrix, *structure, state->entries, task, state->values).run();
+  if (task.stopped()) return cancelled();
+  if (failed != BlockStructure::kRoot) return fail("the matrix is not positive definite");
+  state->structure = std::move(structure);
+  return SparseFactor(std::move(state));
+}
+
+SparseFactor::SparseFactor(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SparseFactor::~SparseFactor() = default;
+SparseFactor::SparseFactor(const SparseFactor& other) : state_(std::make_unique<State>(*other.state_)) {}
+SparseFactor& SparseFactor::operator=(const SparseFactor& other) {
+  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
+SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
+SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
+
+std::size_t SparseFactor::size() const noexcept {
+  return state_->structure->order.size();
+}
+std::size_t SparseFactor::entry_count() const noexcept {
+  return state_->values.size();
+}
+
+void SparseFactor::add_to_diagonal(VertexId vertex, double amount) {
+  if (amount == 0) return;
+  const BlockStructure& structure = *state_->structure;
+  const std::uint32_t column = structure.new_place[vertex.index()];
+  const double sign = amount > 0 ? 1 : -1;
+  // L L' + sign w w', a column after the other (Gill, Golub, Murray and Saunders 1974, method C1).
+  std::vector<std::pair<std::uint32_t, double>> w = {{column, std::sqrt(std::abs(amount))}};
+  for (std::uint32_t block = structure.block_of[column]; block != BlockStructure::kRoot;
+       block = structure.parents[block]) {
+    auto& original = state_->original[block];
+    const auto begin = state_->values.begin() + static_cast<std::ptrdiff_t>(structure.value_starts[block]);
+    const auto end = state_->values.begin() + static_cast<std::ptrdiff_t>(structure.value_starts[block + 1]);
+    if (original.empty()) {
+      original.assign(begin, end);
+      state_->changed.push_back(block);
+    }
+    const std::uint32_t first = structure.first(block);
+    const auto width = static_cast<std::uint32_t>(structure.width(block));
+    const auto rows = structure.rows(block);
+    const std::size_t height = structure.height(block);
+    std::vector<double>& x = state_->column;
+    x.assign(height, 0.0);
+    std::size_t at = 0;
+    for (const auto& [row, value] : w) {
+      if (row < first + width) {
+        x[row - first] = value;
+        continue;
+      }
+      while (rows[at] != row) ++at;
+      x[width + at] = value;
+    }
+    std::uint32_t k = 0;
+    while (k < width && x[k] == 0) ++k;
+    for (; k < width; ++k) {
+      double* l = &*begin + k * height;
+      const double pivot = l[k];
+      const double changed = std::sqrt(pivot * pivot + sign * x[k] * x[k]);
+      const double c = pivot / changed;
+      const double s = sign * x[k] / changed;
+      const double t = x[k] / changed;
+      l[k] = changed;
+      for (std::size_t i = k + 1; i < height; ++i) {
+        const double old = l[i];
+        l[i] = c * old + s * x[i];
+        x[i] = c * x[i] - t * old;
+      }
+    }
+    w.clear();
+    for (std::size_t i = 0; i < rows.size(); ++i) w.emplace_back(rows[i], x[width + i]);
+  }
+}
+
+void SparseFactor::reset() {
+  for (const std::uint32_t block : state_->changed) {
+    auto& original = state_->original[block];
+    std::copy(original.begin(), original.end(),
+              state_->values.begin() + static_cast<std::ptrdiff_t>(state_->structure->value_starts[block]));
+    original.clear();
+  }
+  state_->changed.clear();
+}
+
+void SparseFactor::State::forward(std::size_t block, Eigen::Ref<MatrixXd> x) const {
+  const ConstPanel L = panel(block);
+  const auto rows = structure->rows(block);
+  const auto first = static_cast<Index>(structure->first(block));
+  const Index width = L.cols();
+  const Index below = L.rows() - width;
+  if (x.cols() == 1) {
+    double* own = x.data() + first;
+    thread_local Eigen::VectorXd taken;
+    taken.setZero(below);
+    for (Index k = 0; k < width; ++k) {
+      if (own[k] == 0) continue;
+      own[k] /= L(k, k);
+      Eigen::Map<Eigen::VectorXd>(own + k + 1, width - k - 1) -= own[k] * L.col(k).segment(k + 1, width - k - 1);
+      taken += own[k] * L.col(k).tail(below);
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) x(rows[i], 0) -= taken[static_cast<Index>(i)];
+    return;
+  }
+  auto own = x.middleRows(first, width);
+  L.topRows(width).triangularView<Eigen::Lower>().solveInPlace(own);
+  if (below == 0) return;
+  const MatrixXd taken = L.bottomRows(below) * own;
+  for (std::size_t i = 0; i < rows.size(); ++i) x.row(rows[i]) -= taken.row(static_cast<Index>(i));
+}
+
+void SparseFactor::State::backward(std::size_t block, Eigen::Ref<MatrixXd> x) const {
+  const ConstPanel L = panel(block);
+  const auto rows = structure->rows(block);
+  const auto first = static_cast<Index>(structure->first(block));
+  const Index width = L.cols();
+  const Index below = L.rows() - width;
+  if (x.cols() == 1) {
+    thread_local Eigen::VectorXd known;
+    known.resize(below);
+    for (std::size_t i = 0; i < rows.size(); ++i) known[static_cast<Index>(i)] = x(rows[i], 0);
+    double* own = x.data() + first;
+    for (Index k = width; k-- > 0;) {
+      const Index within = width - k - 1;
+      const double sum = L.col(k).segment(k + 1, within).dot(Eigen::Map<Eigen::VectorXd>(own + k + 1, within)) +
+                         L.col(k).tail(below).dot(known);
+      own[k] = (own[k] - sum) / L(k, k);
+    }
+    return;
+  }
+  MatrixXd known(below, x.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) known.row(static_cast<Index>(i)) = x.row(rows[i]);
+  auto own = x.middleRows(first, width);
+  if (below > 0) own.noalias() -= L.bottomRows(below).transpose() * known;
+  L.topRows(width).triangularView<Eigen::Lower>().transpose().solveInPlace(own);
+}
+
+void SparseFactor::State::backward_subtree(std::uint32_t block, Eigen::Ref<MatrixXd>& x) const {
+  backward(block, x);
+  tbb::task_group group;
+  for (const std::uint32_t child : structure->children[block]) {
+    if (entries[child] > kTaskEntries) {
+      group.run([this, child, &x] { backward_subtree(child, x); });
+    } else {
+      backward_subtree(child, x);
+    }
+  }
+  group.wait();
+}
+
+void SparseFactor::State::backward(Eigen::Ref<MatrixXd> x) const {
+  tbb::task_group group;
+  for (std::uint32_t b = 0; b < structure->blocks(); ++b)
+    if (structure->parents[b] == BlockStructure::kRoot) group.run([this, b, &x] { backward_subtree(b, x); });
+  group.wait();
+}
+
+void SparseFactor::solve(Eigen::Ref<MatrixXd> b) const {
+  const BlockStructure& structure = *state_->structure;
+  const auto n = static_cast<Index>(structure.order.size());
+  // A few columns at a time, so that they stay in the cache while the factor streams past.
+  constexpr Index kTogether = 16;
+  for (Index begin = 0; begin < b.cols(); begin += kTogether) {
+    auto columns = b.middleCols(begin, std::min(kTogether, b.cols() - begin));
+    MatrixXd x(n, columns.cols());
+    for (Index i = 0; i < n; ++i) x.row(i) = columns.row(structure.order[static_cast<std::size_t>(i)]);
+    for (std::size_t block = 0; block < structure.blocks(); ++block) state_->forward(block, x);
+    state_->backward(x);
+    for (Index i = 0; i < n; ++i) columns.row(structure.order[static_cast<std::size_t>(i)]) = x.row(i);
+  }
+}
+
+Eigen::VectorXd SparseFactor::solve(std::span<const Entry> b) const {
+  const BlockStructure& structure = *state_->structure;
+  const auto n = static_cast<Index>(structure.order.size());
+  MatrixXd x = MatrixXd::Zero(n, 1);
+  // Forward, only blocks above an entry differ from zero.
+  std::vector<std::uint32_t> path;
+  for (const auto& [vertex, value] : b) {
+    const std::uint32_t column = structure.new_place[vertex.index()];
+    x(column, 0) += value;
+    for (std::uint32_t block = structure.block_of[column]; block != BlockStructure::kRoot;
+         block = structure.parents[block])
+      path.push_back(block);
+  }
+  std::sort(path.begin(), path.end());
+  path.erase(std::unique(path.begin(), path.end()), path.end());
+  for (const std::uint32_t block : path) state_->forward(block, x);
+  state_->backward(x);
+  Eigen::VectorXd result(n);
+  for (Index i = 0; i < n; ++i) result[structure.order[static_cast<std::size_t>(i)]] = x(i, 0);
+  return result;
+}
+
+}  // namespace armature::sdk
