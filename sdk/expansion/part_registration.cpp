@@ -1,0 +1,209 @@
+#include "sdk/expansion/part_registration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <armature/sdk/mesh/measures.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+Vector3d apply(const Matrix4d& transform, const Vector3d& point) {
+  return transform.topLeftCorner<3, 3>() * point + transform.topRightCorner<3, 1>();
+}
+
+using Goal = std::span<const OrientedPoint>;
+
+const OrientedPoint& closest(Goal goal, const Vector3d& point) {
+  const Eigen::Vector3f p = point.cast<float>();
+  const OrientedPoint* best = goal.data();
+  float best_square = std::numeric_limits<float>::infinity();
+  for (const OrientedPoint& candidate : goal) {
+    const float square = (candidate.point - p).squaredNorm();
+    if (square < best_square) {
+      best_square = square;
+      best = &candidate;
+    }
+  }
+  return *best;
+}
+
+double mean_square(Goal goal, const Matrix4d& transform, std::span<const Vector3d> points) {
+  double sum = 0;
+  for (const Vector3d& point : points) {
+    const Vector3d p = apply(transform, point);
+    sum += (closest(goal, p).point.cast<double>() - p).squaredNorm();
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+double mean_square_to_planes(Goal goal, const Matrix4d& transform, std::span<const Vector3d> points) {
+  double sum = 0;
+  for (const Vector3d& point : points) {
+    const Vector3d p = apply(transform, point);
+    const OrientedPoint& near = closest(goal, p);
+    const double d = (near.point.cast<double>() - p).dot(near.normal.cast<double>());
+    sum += d * d;
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+/// Iterated closest points, to the planes of the surface there (Chen and Medioni 1992), with scale.
+Matrix4d iterate(Goal goal, Matrix4d transform, std::span<const Vector3d> points) {
+  using Vector7d = Eigen::Matrix<double, 7, 1>;
+  constexpr int kRounds = 10;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix<double, 7, 7> A = Eigen::Matrix<double, 7, 7>::Zero();
+    Vector7d b = Vector7d::Zero();
+    Vector3d centre = Vector3d::Zero();
+    for (const Vector3d& p : points) centre += apply(transform, p) / static_cast<double>(points.size());
+    double spread = 0;
+    for (const Vector3d& p : points) spread += (apply(transform, p) - centre).squaredNorm();
+    spread = std::sqrt(spread / static_cast<double>(points.size()));
+    if (!(spread > 0)) break;
+    for (const Vector3d& point : points) {
+      const Vector3d p = apply(transform, point);
+      const OrientedPoint& near = closest(goal, p);
+      const Vector3d normal = near.normal.cast<double>();
+      // Turn, growth and move, all in units of the spread.
+      const Vector3d arm = (p - centre) / spread;
+      Vector7d row;
+      row << arm.cross(normal), arm.dot(normal), normal;
+      A += row * row.transpose();
+      b += (near.point.cast<double>() - p).dot(normal) / spread * row;
+    }
+    // Where the surface leaves a motion open, such as along a tube, it stays as it is.
+    constexpr double kRidge = 1e-3;
+    A.diagonal().array() += kRidge * static_cast<double>(points.size());
+    const Vector7d x = A.ldlt().solve(b);
+    if (!x.allFinite()) break;
+    const double angle = x.head<3>().norm();
+    Matrix3d turn = std::exp(x[3]) * Matrix3d::Identity();
+    if (angle > 0) turn = turn * Eigen::AngleAxisd(angle, x.head<3>() / angle).toRotationMatrix();
+    Matrix4d motion = Matrix4d::Identity();
+    motion.topLeftCorner<3, 3>() = turn;
+    motion.topRightCorner<3, 1>() = centre + spread * x.tail<3>() - turn * centre;
+    transform = motion * transform;
+    constexpr double kStill = 1e-4;
+    if (x.cwiseAbs().maxCoeff() < kStill) break;
+  }
+  return transform;
+}
+
+}  // namespace
+
+PartFrame frame_of(const Surface& surface, std::span<const FaceId> faces) {
+  const Mesh& mesh = surface.mesh;
+  std::unordered_map<EdgeId, int> uses;
+  Vector3d centroid = Vector3d::Zero();
+  double area = 0;
+  for (const FaceId face : faces) {
+    const double a = area_vector(mesh, face).norm();
+    centroid += a / 3 * (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2));
+    area += a;
+    for (const EdgeId edge : surface.adjacency.edges(face))
+      if (edge.valid()) ++uses[edge];
+  }
+  if (area > 0) centroid /= area;
+  Vector3d rim = Vector3d::Zero();
+  double length = 0;
+  // In the order of faces: the same sums on every run.
+  for (const FaceId face : faces)
+    for (const EdgeId edge : surface.adjacency.edges(face)) {
+      if (!edge.valid() || uses[edge] != 1) continue;
+      const Vector3d& a = mesh.position(surface.adjacency.edge(edge)[0]);
+      const Vector3d& b = mesh.position(surface.adjacency.edge(edge)[1]);
+      rim += (a - b).norm() * 0.5 * (a + b);
+      length += (a - b).norm();
+    }
+  PartFrame frame{.size = std::sqrt(area)};
+  const Vector3d origin = length > 0 ? Vector3d(rim / length) : centroid;
+  Vector3d z = (centroid - origin).stableNormalized();
+  if (z.isZero()) z = Vector3d::UnitZ();
+  const Vector3d x = z.unitOrthogonal();
+  frame.world_from_part.block<3, 1>(0, 0) = x;
+  frame.world_from_part.block<3, 1>(0, 1) = z.cross(x);
+  frame.world_from_part.block<3, 1>(0, 2) = z;
+  frame.world_from_part.block<3, 1>(0, 3) = origin;
+  return frame;
+}
+
+PartRegistration::PartRegistration(const Surface& surface, std::span<const FaceId> reference,
+                                   std::span<const VertexId> around)
+    : frame_(frame_of(surface, reference)) {
+  std::vector<VertexId> vertices(around.begin(), around.end());
+  for (const FaceId face : reference)
+    for (const VertexId v : surface.mesh.triangle(face)) vertices.push_back(v);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  constexpr std::size_t kMost = 800;
+  const std::size_t count = std::min(kMost, vertices.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const VertexId v = vertices[i * vertices.size() / count];
+    goal_.push_back({surface.mesh.position(v).cast<float>(), surface.vertex_normals[v.index()].cast<float>()});
+  }
+}
+
+Registration PartRegistration::lay(const PartFrame& part, double scale, std::span<const Vector3d> points) const {
+  const Matrix4d part_from_world = part.world_from_part.inverse();
+  // A few points tell which turn is right.
+  constexpr std::size_t kFew = 32;
+  std::vector<Vector3d> few;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kFew);
+  for (std::size_t i = step / 2; i < points.size(); i += step) few.push_back(points[i]);
+
+  struct Start {
+    Matrix4d reference_from_part = Matrix4d::Identity();
+    double error = std::numeric_limits<double>::infinity();
+  };
+  std::array<Start, 2> starts;
+  for (const bool mirrored : {false, true}) {
+    Matrix4d flip = Matrix4d::Identity();
+    if (mirrored) flip(0, 0) = -1;
+    constexpr int kTurns = 12;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      Matrix4d turned = Matrix4d::Identity();
+      turned.topLeftCorner<3, 3>() =
+          scale * Eigen::AngleAxisd(2 * std::numbers::pi * turn / kTurns, Vector3d::UnitZ()).toRotationMatrix();
+      const Matrix4d candidate = frame_.world_from_part * turned * flip * part_from_world;
+      const double error = mean_square(goal_, candidate, few);
+      if (error < starts[mirrored ? 1 : 0].error) starts[mirrored ? 1 : 0] = {candidate, error};
+    }
+  }
+  const auto finished = [&](bool mirrored) {
+    return refine({starts[mirrored ? 1 : 0].reference_from_part, mirrored}, points);
+  };
+  const Registration plain = finished(false);
+  // Most parts are like their mirror image: only one that fits clearly better counts.
+  if (starts[1].error > starts[0].error) return plain;
+  const Registration mirrored = finished(true);
+  constexpr double kClearlyBetter = 0.5;
+  return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;
+}
+
+double PartRegistration::residual(const Matrix4d& reference_from_part, std::span<const Vector3d> points) const {
+  return std::sqrt(mean_square_to_planes(goal_, reference_from_part, points));
+}
+
+Registration PartRegistration::refine(const Registration& start, std::span<const Vector3d> points) const {
+  const Matrix4d& before = start.reference_from_part;
+  Matrix4d fit = iterate(goal_, before, points);
+  // What shrinks or swells has lost its way.
+  constexpr double kMostGrowth = 2;
+  const double growth = std::cbrt(fit.topLeftCorner<3, 3>().determinant() / before.topLeftCorner<3, 3>().determinant());
+  if (!(growth < kMostGrowth && growth > 1 / kMostGrowth)) fit = before;
+  return {fit, start.mirrored, residual(fit, points)};
+}
+
+}  // namespace armature::sdk
