@@ -12,6 +12,8 @@
 #include <tbb/parallel_for.h>
 
 #include "sdk/expansion/enclosing_ball.h"
+#include "sdk/expansion/surface_samples.h"
+#include "sdk/selection/flood.h"
 
 namespace armature::sdk {
 namespace {
@@ -26,36 +28,6 @@ constexpr std::size_t kPairs = 64;      // places at which two components are he
 constexpr double kCopy = 0.02;          // how far those of copies may leave each other, of the root mean square radius
 constexpr double kClearlyBetter = 0.5;  // a mirror image must fit so much better than the thing itself
 
-/// A small piece of a surface.
-struct Sample {
-  Vector3d point;
-  Vector3d normal;
-  double area;
-};
-
-/// A component cut into about `kSamples` pieces of like area, each face into k^2 triangles; so that neither the context
-/// nor the axes depend on how the component is triangulated, or turned.
-std::vector<Sample> samples_of(const Mesh& mesh, std::span<const FaceId> faces) {
-  double total = 0;
-  for (const FaceId face : faces) total += area_vector(mesh, face).norm();
-  std::vector<Sample> samples;
-  for (const FaceId face : faces) {
-    const Vector3d area = area_vector(mesh, face);
-    const double size = area.norm();
-    if (!(size > 0)) continue;
-    const int k = std::max(1, static_cast<int>(std::lround(std::sqrt(kSamples * size / total))));
-    const Vector3d& a = mesh.corner(face, 0);
-    const Vector3d u = (mesh.corner(face, 1) - a) / k;
-    const Vector3d v = (mesh.corner(face, 2) - a) / k;
-    for (int i = 0; i < k; ++i)
-      for (int j = 0; i + j < k; ++j) {
-        samples.push_back({a + (i + 1 / 3.) * u + (j + 1 / 3.) * v, area / size, size / (k * k)});
-        if (i + j + 1 < k) samples.push_back({a + (i + 2 / 3.) * u + (j + 2 / 3.) * v, area / size, size / (k * k)});
-      }
-  }
-  return samples;
-}
-
 /// Spreads a mass over the bins on both sides of a place, in [0, 1].
 struct Binned {
   int bin;
@@ -68,12 +40,12 @@ struct Binned {
 };
 
 /// The approximate shape context of algorithm 1, of the surface that faces away from its middle.
-Histogram context_of(const std::vector<Sample>& samples, const EnclosingBall& ball) {
+Histogram context_of(const std::vector<SurfaceSample>& samples, const EnclosingBall& ball) {
   double volume = 0;
-  for (const Sample& s : samples) volume += s.area * s.normal.dot(s.point - ball.centre);
+  for (const SurfaceSample& s : samples) volume += s.area * s.normal.dot(s.point - ball.centre);
   const double outward = volume < 0 ? -1 : 1;
   Histogram context(std::size_t{kBins} * kBins, 0.0F);
-  for (const Sample& s : samples) {
+  for (const SurfaceSample& s : samples) {
     const Vector3d from_centre = s.point - ball.centre;
     const double distance = from_centre.norm();
     const double cosine = distance > 0 ? outward * s.normal.dot(from_centre) / distance : 1;
@@ -99,20 +71,22 @@ ComponentShape shape_of(const Mesh& mesh, std::span<const FaceId> faces) {
   for (const FaceId face : faces)
     for (std::size_t k = 0; k < 3; ++k) corners.push_back(mesh.corner(face, k));
   const EnclosingBall ball = smallest_enclosing_ball(corners);
-  const std::vector<Sample> samples = samples_of(mesh, faces);
+  double total = 0;
+  for (const FaceId face : faces) total += area_vector(mesh, face).norm();
+  const std::vector<SurfaceSample> samples = samples_of(mesh, faces, total / kSamples);
 
   ComponentShape shape{.radius = ball.radius};
   shape.context = context_of(samples, ball);
   shape.centroid = ball.centre;
   if (samples.empty()) return shape;
   shape.centroid.setZero();
-  for (const Sample& s : samples) {
+  for (const SurfaceSample& s : samples) {
     shape.area += s.area;
     shape.centroid += s.area * s.point;
   }
   shape.centroid /= shape.area;
   Matrix3d covariance = Matrix3d::Zero();
-  for (const Sample& s : samples) {
+  for (const SurfaceSample& s : samples) {
     const Vector3d x = s.point - shape.centroid;
     covariance += s.area / shape.area * x * x.transpose();
   }
@@ -122,7 +96,7 @@ ComponentShape shape_of(const Mesh& mesh, std::span<const FaceId> faces) {
   shape.spread = principal.eigenvalues().reverse().cwiseMax(0);
   const double rms = std::sqrt(shape.spread.sum());
   if (!(rms > 0)) return shape;
-  for (const Sample& s : samples) {
+  for (const SurfaceSample& s : samples) {
     const Vector3d x = shape.axes.transpose() * (s.point - shape.centroid) / rms;
     for (std::size_t m = 0; m < kCubic.size(); ++m)
       shape.skew[m] += s.area / shape.area * x[kCubic[m][0]] * x[kCubic[m][1]] * x[kCubic[m][2]];
@@ -160,10 +134,6 @@ Turns turns_of_axes(const ComponentShape& match, const ComponentShape& reference
     if (misfit < best.misfit) best = {reference.axes * sign.asDiagonal() * match.axes.transpose(), misfit};
   }
   return turns;
-}
-
-Vector3d middle(const Mesh& mesh, FaceId face) {
-  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
 }
 
 /// The turns that lay the faces of one component onto those of another in their order, as if it were its copy (Kabsch

@@ -14,5 +14,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (const auto* click = std::get_if<ComponentGesture>(&*gesture))
     if (click->face.index() >= kFaces) __builtin_trap();
+  if (const auto* brushed = std::get_if<PatchGesture>(&*gesture)) {
+    if (!(brushed->drawn.radius > 0) || brushed->drawn.strokes.empty()) __builtin_trap();
+    for (const auto& stroke : brushed->drawn.strokes)
+      for (const auto& point : stroke)
+        if (!point.allFinite()) __builtin_trap();
+  }
   return 0;
 }

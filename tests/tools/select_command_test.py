@@ -4,6 +4,7 @@
 usage: select_command_test.py BUILD_DIRECTORY
 """
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,17 @@ def boxes(*placed):
     lines = [f"OFF\n{8 * len(placed)} {6 * len(placed)} 0"]
     lines += [f"{x + shift} {y} {z * height}" for shift, height in placed for x, y, z in CUBE]
     lines += ["4 " + " ".join(str(corner + 8 * i) for corner in square) for i in range(len(placed)) for square in SQUARES]
+    return "\n".join(lines) + "\n"
+
+
+def table(bumps):
+    """A table of side 2 in OFF, 60 x 60 squares, with bumps at (x, y, height)."""
+    side = 61
+    rows = [(2 * i / 60 - 1, 2 * j / 60 - 1) for i in range(side) for j in range(side)]
+    heights = [sum(h * math.exp(-((x - a) ** 2 + (y - b) ** 2) / 0.01) for a, b, h in bumps) for x, y in rows]
+    lines = [f"OFF\n{side * side} {60 * 60} 0"] + [f"{x} {y} {z}" for (x, y), z in zip(rows, heights)]
+    lines += [f"4 {i * side + j} {(i + 1) * side + j} {(i + 1) * side + j + 1} {i * side + j + 1}"
+              for i in range(60) for j in range(60)]
     return "\n".join(lines) + "\n"
 
 
@@ -65,6 +77,23 @@ class Select(unittest.TestCase):
             self.assertAlmostEqual(value, expected, 9)
         self.assertTrue(best["reason"])
 
+    def test_a_patch_and_its_likes(self):
+        self.mesh = self.file("table.off", table([(-0.5, -0.5, 0.2), (0.5, 0.5, 0.2), (0.5, -0.5, 0.08)]))
+        gesture = {"tool": "patch", "strokes": [[[-0.5, -0.5, 0.2]]], "radius": 0.1, "background": [[-0.9, -0.9, 0]]}
+        result = self.select(gesture, "--expand", 1)
+        self.assertGreater(len(result["reference"]["faces"]), 10)
+        self.assertGreater(result["matches"][0]["score"], 0.9)
+        rows = [result["matches"][0]["transform"][i:i + 4] for i in (0, 4, 8)]
+        top = [a * 0.5 + b * 0.5 + c * 0.2 + d for a, b, c, d in rows]  # the bump is round: any turn about it will do
+        for value, expected in zip(top, [-0.5, -0.5, 0.2]):
+            self.assertAlmostEqual(value, expected, 1)
+        self.assertTrue(all(rejected["reason"] for rejected in result["rejected"]))
+        other = self.file("other.off", table([(0, 0, 0.2)]))
+        gesture = {"tool": "patch", "strokes": [[[0, 0, 0.2]]], "radius": 0.1}
+        result = self.select(gesture, "--expand", 2, "--from", other, "--any-size")
+        self.assertEqual(len(result["matches"]), 2)
+        self.assertGreater(result["matches"][1]["score"], 0.8)
+
     def test_no_expansion_is_asked_for(self):
         self.assertEqual(self.select({"tool": "component", "face": 5})["matches"], [])
 
@@ -92,6 +121,13 @@ class Select(unittest.TestCase):
         self.assert_refused('{"tool":"component","face":1,"face":2}', '"face"', "twice")
         self.assert_refused('{"tool":"component","face":1,"faces":2}', '"faces"', "no key")
         self.assert_refused("[" * 100_000, "line 1")
+        self.assert_refused('{"tool":"patch","strokes":[[[0,0,0]]]}', '"radius"')
+        self.assert_refused('{"tool":"patch","strokes":[[[0,0,0]]],"radius":-1}', '"radius"', "-1")
+        self.assert_refused('{"tool":"patch","strokes":[],"radius":1}', '"strokes"')
+        self.assert_refused('{"tool":"patch","strokes":[[]],"radius":1}', '"strokes"[0]', "none")
+        self.assert_refused('{"tool":"patch","strokes":[[[0,0,0],[0,"a",0]]],"radius":1}', '"strokes"[0][1]')
+        self.assert_refused('{"tool":"patch","strokes":[[[0,0,0]]],"radius":1,"background":[[[0,0]]]}', '"background"[0][0]')
+        self.assert_refused('{"tool":"patch","strokes":[[[0,0,0]],[[99,0,0]]],"radius":1}', "strokes[1], point 0", "5 %")
 
     def test_wrong_use_exits_2(self):
         for arguments in ((), (self.mesh,), (self.mesh, "--gesture", "g.json", "--expand", "-1")):

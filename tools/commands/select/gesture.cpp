@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -81,7 +83,7 @@ class Reader {
 
  private:
   using Tool = Expected<Gesture> (Reader::*)(const Json&) const;
-  static const std::array<std::pair<const char*, Tool>, 1> kTools;
+  static const std::array<std::pair<const char*, Tool>, 2> kTools;
 
   static std::string tools() {
     std::vector<std::string> names;
@@ -99,6 +101,68 @@ class Reader {
     return ComponentGesture{sdk::FaceId(face->get<std::uint64_t>())};
   }
 
+  Expected<Gesture> patch(const Json& json) const {
+    if (auto checked = only_keys(json, {"tool", "strokes", "radius", "background"}); !checked)
+      return tl::unexpected(checked.error());
+    PatchGesture gesture;
+    const auto radius = json.find("radius");
+    if (radius == json.end() || !radius->is_number() || !(radius->get<double>() > 0) ||
+        !std::isfinite(radius->get<double>()))
+      return refuse("\"radius\"",
+                    fmt::format("expected a positive number in the model's unit, {}",
+                                radius == json.end() ? "found nothing" : "found " + shown_value(*radius)));
+    gesture.drawn.radius = radius->get<double>();
+    auto drawn = strokes(json, "strokes");
+    if (!drawn) return tl::unexpected(drawn.error());
+    if (drawn->empty()) return refuse("\"strokes\"", "expected at least one stroke over the patch");
+    gesture.drawn.strokes = std::move(*drawn);
+    if (json.contains("background")) {
+      auto background = strokes(json, "background");
+      if (!background) return tl::unexpected(background.error());
+      gesture.drawn.background = std::move(*background);
+    }
+    return gesture;
+  }
+
+  using Stroke = std::vector<Eigen::Vector3d>;
+
+  /// The strokes of a key: a list of them, or one alone.
+  Expected<std::vector<Stroke>> strokes(const Json& json, const std::string& key) const {
+    const auto value = json.find(key);
+    if (value == json.end()) return refuse('"' + key + '"', "is missing; expected a list of strokes [[x,y,z],...]");
+    if (!value->is_array()) return refuse('"' + key + '"', "expected a list of strokes, found " + shown_value(*value));
+    const bool is_one = !value->empty() && (*value)[0].is_array() && !(*value)[0].empty() && (*value)[0][0].is_number();
+    std::vector<Stroke> result;
+    if (is_one) {
+      auto one = stroke(*value, '"' + key + '"');
+      if (!one) return tl::unexpected(one.error());
+      result.push_back(std::move(*one));
+      return result;
+    }
+    for (std::size_t i = 0; i < value->size(); ++i) {
+      auto one = stroke((*value)[i], fmt::format("\"{}\"[{}]", key, i));
+      if (!one) return tl::unexpected(one.error());
+      result.push_back(std::move(*one));
+    }
+    return result;
+  }
+
+  Expected<Stroke> stroke(const Json& json, const std::string& place) const {
+    if (!json.is_array() || json.empty())
+      return refuse(place, "expected points [[x,y,z],...], found " + (json.is_array() ? "none" : shown_value(json)));
+    Stroke points;
+    points.reserve(json.size());
+    for (std::size_t i = 0; i < json.size(); ++i) {
+      const Json& point = json[i];
+      const auto fits = [](const Json& number) { return number.is_number() && std::isfinite(number.get<double>()); };
+      if (!point.is_array() || point.size() != 3 || !std::ranges::all_of(point, fits))
+        return refuse(fmt::format("{}[{}]", place, i),
+                      "expected three finite numbers [x,y,z], found " + shown_value(point));
+      points.emplace_back(point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
+    }
+    return points;
+  }
+
   Expected<void> only_keys(const Json& json, std::initializer_list<std::string_view> known) const {
     for (const auto& [key, value] : json.items())
       if (std::ranges::find(known, key) == known.end())
@@ -114,7 +178,8 @@ class Reader {
   std::size_t faces_;
 };
 
-const std::array<std::pair<const char*, Reader::Tool>, 1> Reader::kTools = {{{"component", &Reader::component}}};
+const std::array<std::pair<const char*, Reader::Tool>, 2> Reader::kTools = {
+    {{"component", &Reader::component}, {"patch", &Reader::patch}}};
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include <armature/sdk/mesh/ids.h>
+#include <armature/sdk/selection/patch_brush.h>
 
 #include "firmware_host/error.h"
 
@@ -15,8 +16,14 @@ struct ComponentGesture {
   sdk::FaceId face;
 };
 
+/// Strokes of a brush: {"tool":"patch","strokes":[[[x,y,z],...],...],"radius":R,"background":[[[x,y,z],...],...]}; the
+/// background may be left out, or be one stroke.
+struct PatchGesture {
+  sdk::PatchStrokes drawn;
+};
+
 /// What a user does to select a region.
-using Gesture = std::variant<ComponentGesture>;
+using Gesture = std::variant<ComponentGesture, PatchGesture>;
 
 /// Reads a gesture from JSON, for a mesh of so many faces. Refused in one line with the place: what is not JSON, keys
 /// that are unknown, missing or there twice, numbers that are not finite, faces that are not there. `name` stands for

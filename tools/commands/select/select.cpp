@@ -1,15 +1,21 @@
 #include "tools/commands/select/select.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/expansion/patch_expansion.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/selection/patch_brush.h>
 #include <fmt/format.h>
 
 #include "tools/commands/select/gesture.h"
@@ -22,8 +28,9 @@ namespace armature::tools {
 namespace {
 
 struct Arguments {
-  std::string mesh, gesture, ply;
+  std::string mesh, gesture, from, ply;
   std::size_t expand = 0;
+  bool any_size = false;
   bool json = false;
 };
 
@@ -33,12 +40,18 @@ struct Outcome {
   Json timings_ms;
 };
 
+/// The sizes that --any-size looks for, a third of an octave apart.
+constexpr std::array<double, 7> kAnySize = {0.5, 0.63, 0.794, 1, 1.26, 1.587, 2};
+
 /// Does what each gesture asks for.
 struct Select {
+  const Arguments& arguments;
   const sdk::Mesh& mesh;
+  const sdk::Mesh& drawn_on;  // the same, or that of --from
   const sdk::Task& task;
 
   sdk::Expected<Outcome> operator()(const ComponentGesture& gesture) const {
+    if (&drawn_on != &mesh) return sdk::fail("--from works with patches; click a component of the mesh itself");
     const auto start = std::chrono::steady_clock::now();
     const sdk::Adjacency adjacency(mesh);
     const auto index = sdk::ComponentIndex::build(mesh, adjacency, task);
@@ -48,6 +61,29 @@ struct Select {
     auto expansion = index->expand(gesture.face);
     if (!expansion) return tl::unexpected(expansion.error());
     return Outcome{std::move(*expansion), {{"load", number(load_ms)}, {"expand", number(milliseconds_since(clicked))}}};
+  }
+
+  sdk::Expected<Outcome> operator()(const PatchGesture& gesture) const {
+    const auto start = std::chrono::steady_clock::now();
+    const sdk::Surface surface(mesh);
+    std::optional<sdk::Surface> other;
+    if (&drawn_on != &mesh) other.emplace(drawn_on);
+    const sdk::Surface& of_patch = other ? *other : surface;
+    const double load_ms = milliseconds_since(start);
+    const auto began = std::chrono::steady_clock::now();
+    auto patch = sdk::select_patch(of_patch, gesture.drawn);
+    if (!patch) return tl::unexpected(patch.error());
+    Json timings = {{"load", number(load_ms)}, {"select", number(milliseconds_since(began))}};
+    if (arguments.expand == 0) return Outcome{sdk::Expansion(std::move(*patch), {}, {}), std::move(timings)};
+    sdk::PatchExpansionOptions options{.most = std::max<std::size_t>(64, 2 * arguments.expand)};
+    if (arguments.any_size) options.scales = {kAnySize.begin(), kAnySize.end()};
+    sdk::PatchExpansionTimes times;
+    auto expansion = sdk::expand_patch(surface, of_patch, *patch, options, task, &times);
+    if (!expansion) return tl::unexpected(expansion.error());
+    timings["map"] = number(times.map_ms);
+    timings["learn"] = number(times.learn_ms);
+    timings["match"] = number(times.candidates > 0 ? times.matches_ms / static_cast<double>(times.candidates) : 0);
+    return Outcome{std::move(*expansion), std::move(timings)};
   }
 };
 
@@ -92,13 +128,21 @@ Expected<void> run_select(const Arguments& arguments) {
   SdkCall call;
   const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
   if (!mesh) return tl::unexpected(mesh.error());
-  const auto gesture = read_gesture(arguments.gesture, mesh->triangles.size());
+  std::optional<sdk::Mesh> other;
+  if (!arguments.from.empty()) {
+    auto read = ours(sdk::read_mesh(arguments.from, {}, call.task()));
+    if (!read) return tl::unexpected(read.error());
+    other = std::move(*read);
+  }
+  const sdk::Mesh& drawn_on = other ? *other : *mesh;
+  const auto gesture = read_gesture(arguments.gesture, drawn_on.triangles.size());
   if (!gesture) return tl::unexpected(gesture.error());
-  const auto outcome = std::visit(Select{*mesh, call.task()}, *gesture);
+  const auto outcome = std::visit(Select{arguments, *mesh, drawn_on, call.task()}, *gesture);
   if (!outcome) return fail(arguments.gesture + ": " + outcome.error().message);
   const auto matches = outcome->expansion.first(arguments.expand);
   if (!arguments.ply.empty()) {
-    const sdk::Mesh picture = painted(*mesh, outcome->expansion.reference(), matches);
+    const std::vector<sdk::FaceId> elsewhere;
+    const sdk::Mesh picture = painted(*mesh, other ? elsewhere : outcome->expansion.reference(), matches);
     if (auto written = ours(sdk::write_mesh(picture, arguments.ply, {.format = sdk::MeshFormat::Ply})); !written)
       return written;
   }
@@ -120,13 +164,21 @@ void add_select(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str()
       ->type_name("K");
+  command->add_flag("--any-size", arguments->any_size, "patches also from half to twice the size");
+  command->add_option("--from", arguments->from, "the patch is drawn on this mesh; its likes are looked for in MESH")
+      ->type_name("MESH2");
   command
       ->add_option("--ply", arguments->ply, "write the mesh coloured: selection red, matches blue, paler if less alike")
       ->type_name("OUT.ply");
   command->add_flag("--json", arguments->json, "print the result as one line of JSON");
   command->footer(
       "Gestures (lengths in the model's units; faces count from 0, after polygons are cut into triangles):\n"
-      "  {\"tool\":\"component\",\"face\":F}   the connected component of face F\n\n"
+      "  {\"tool\":\"component\",\"face\":F}\n"
+      "      the connected component of face F\n"
+      "  {\"tool\":\"patch\",\"strokes\":[[[x,y,z],...],...],\"radius\":R,\"background\":[[[x,y,z],...],...]}\n"
+      "      what a brush of radius R goes over, and on to where the surface bends; never over the background "
+      "strokes,\n"
+      "      which may be left out. Points are moved to the surface, at most 5 % of the bounding box's diagonal.\n\n"
       "Result: "
       "{\"reference\":{\"faces\":[...]},\"matches\":[{\"faces\":[...],\"score\":S,\"transform\":[16],...}],...}\n"
       "without the reference among the matches; S is 1 for the same shape. The transform is a 4 x 4 matrix, row by\n"

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/expansion/patch_map.h>
+#include <armature/sdk/selection/surface.h>
+
+#include "sdk/expansion/surface_samples.h"
+
+namespace armature::sdk {
+
+/// How a surface rises around an axis: mean heights and areas in rings and sectors, the rings of equal width.
+struct PolarRelief {
+  static constexpr std::size_t kRings = 5;
+  static constexpr std::size_t kSectors = 48;
+  template <class T>
+  using Cells = std::array<std::array<T, kSectors>, kRings>;
+
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< columns: where angles begin, across, and the mean normal
+  Cells<double> height = {};                            ///< over the centre, of the radius
+  Cells<double> area = {};                              ///< of the radius squared
+};
+
+/// What is near a place of a surface and hangs together with it.
+struct PatchSurroundings {
+  Eigen::Vector3d centre;
+  std::vector<FaceId> faces;
+  std::vector<SurfaceSample> samples;  ///< a few hundred
+  PolarRelief relief;
+
+  PatchSurroundings(const Surface& surface, VertexId at, double radius);
+};
+
+/// Where a patch lies on a surface.
+struct Registration {
+  Eigen::Matrix4d target_from_reference = Eigen::Matrix4d::Identity();
+  double scale = 1;       ///< of that
+  bool mirrored = false;  ///< whether it mirrors
+  double fit = 0;         ///< how well the surfaces lie on one another, in [0, 1]
+  double misfit = 0;      ///< mean square of how far they lie apart, of means over cells, of the radius squared
+};
+
+/// The reference of an expansion, ready to be laid onto other places.
+class PatchReference {
+ public:
+  PatchReference(const Surface& surface, std::span<const FaceId> patch, const PatchBall& ball);
+
+  /// Lays the reference onto a surface about a vertex at about a scale: angles at which the reliefs agree, then
+  /// iterated closest points to the tangent plane (Chen and Medioni 1991), from the most promising.
+  [[nodiscard]] Registration lay_onto(const Surface& target, VertexId at, double scale, bool mirrored_too) const;
+  /// The faces of the target that come to lie on the patch; those that hang together in the largest piece.
+  [[nodiscard]] std::vector<FaceId> extent(const Surface& target, const Registration& registration) const;
+
+  [[nodiscard]] const PatchBall& ball() const noexcept { return ball_; }
+  [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
+
+ private:
+  /// Improves a registration over about so many samples.
+  void improve(const Surface& target, Registration& registration, double scale, std::size_t samples, int rounds) const;
+
+  const Surface* surface_;
+  PatchBall ball_;
+  PatchSurroundings around_;
+  std::vector<bool> in_patch_;      // by face
+  std::vector<std::size_t> cells_;  // that noise is averaged over, by sample
+};
+
+}  // namespace armature::sdk

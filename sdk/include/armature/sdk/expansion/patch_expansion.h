@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/expansion/expansion.h>
+#include <armature/sdk/selection/surface.h>
+#include <armature/sdk/task.h>
+
+namespace armature::sdk {
+
+/// What counts as like a patch.
+struct PatchExpansionOptions {
+  std::size_t most = 64;             ///< candidates whose extent is found; the best by their contexts
+  std::vector<double> scales = {1};  ///< sizes that are looked for, against the reference; each between 1/8 and 8
+  bool mirrored = true;              ///< whether mirror images count
+};
+
+/// How long the steps of an expansion took, in milliseconds.
+struct PatchExpansionTimes {
+  double map_ms = 0;           ///< similarity maps
+  double learn_ms = 0;         ///< what is asked about the reference once
+  double matches_ms = 0;       ///< registration and extent of all candidates
+  std::size_t candidates = 0;  ///< how many those were
+};
+
+/// Finds the regions of a surface that are like a patch (thesis, section 5.4.3): maxima of the similarity map, laid
+/// onto the reference by its relief around its mean normal and by iterated closest points; a face belongs to a match
+/// where it comes to lie on a face of the reference. A match is connected. Its score is the mean of the similarity of
+/// contexts and of how well the surfaces lie on one another. Uses all cores; the same on any number of them. Refused
+/// where `patch_ball()` refuses.
+[[nodiscard]] Expected<Expansion> expand_patch(const Surface& surface, std::span<const FaceId> patch,
+                                               const PatchExpansionOptions& options = {}, const Task& task = {},
+                                               PatchExpansionTimes* times = nullptr);
+/// The same with a patch of another surface.
+[[nodiscard]] Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch,
+                                               std::span<const FaceId> patch, const PatchExpansionOptions& options = {},
+                                               const Task& task = {}, PatchExpansionTimes* times = nullptr);
+
+}  // namespace armature::sdk

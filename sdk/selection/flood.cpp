@@ -1,0 +1,28 @@
+#include "sdk/selection/flood.h"
+
+namespace armature::sdk {
+
+using Eigen::Vector3d;
+
+Vector3d middle(const Mesh& mesh, FaceId face) {
+  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+}
+
+std::vector<FaceId> flood(const Adjacency& adjacency, std::span<const FaceId> seeds, std::size_t faces,
+                          const std::function<bool(FaceId)>& wanted) {
+  std::vector<bool> seen(faces);
+  std::vector<FaceId> reached;
+  const auto reach = [&](FaceId face) {
+    if (seen[face.index()]) return;
+    seen[face.index()] = true;
+    if (wanted(face)) reached.push_back(face);
+  };
+  for (const FaceId face : seeds) reach(face);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    for (const EdgeId edge : adjacency.edges(reached[i]))
+      if (edge.valid())
+        for (const FaceId next : adjacency.faces(edge)) reach(next);
+  return reached;
+}
+
+}  // namespace armature::sdk

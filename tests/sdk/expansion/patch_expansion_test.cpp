@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+#include <stop_token>
+
+#include <Eigen/Dense>
+#include <armature/sdk/expansion/patch_expansion.h>
+#include <armature/sdk/expansion/patch_map.h>
+#include <gtest/gtest.h>
+
+#include "tests/sdk/mesh/surfaces.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A table of side 2 with bumps of one shape at three places, and one that is lower.
+Mesh table_with_bumps() {
+  return surfaces::over({90, 90, false, false, 0}, [](double i, double j) {
+    const Vector3d p(2 * i - 1, 2 * j - 1, 0);
+    double z = 0;
+    for (const Vector3d& bump :
+         {Vector3d(-0.5, -0.5, 0.2), Vector3d(0.5, -0.5, 0.2), Vector3d(-0.5, 0.5, 0.2), Vector3d(0.5, 0.5, 0.08)})
+      z += bump.z() * std::exp(-std::pow((p - bump).head<2>().norm() / 0.1, 2));
+    return Vector3d(p.x(), p.y(), z);
+  });
+}
+
+std::vector<FaceId> faces_near(const Mesh& mesh, const Vector3d& centre, double radius) {
+  std::vector<FaceId> faces;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const FaceId face(f);
+    const Vector3d middle = (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+    if ((middle - centre).head<2>().norm() < radius) faces.push_back(face);
+  }
+  return faces;
+}
+
+VertexId vertex_near(const Mesh& mesh, const Vector3d& point) {
+  const auto nearest = std::ranges::min_element(mesh.positions, {},
+                                                [&](const Vector3d& p) { return (p - point).head<2>().squaredNorm(); });
+  return VertexId(nearest - mesh.positions.begin());
+}
+
+Eigen::Matrix3d linear(const Match& match) {
+  return match.reference_from_match.topLeftCorner<3, 3>();
+}
+
+TEST(PatchContexts, AreAlikeWhereTheSurfaceIs) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const auto contexts = PatchContexts::build(surface, 0.25);
+  ASSERT_TRUE(contexts);
+  const VertexId bump = vertex_near(mesh, {-0.5, -0.5, 0});
+  const Histogram context = contexts->of(bump);
+  double sum = 0;
+  for (const float mass : context) sum += mass;
+  EXPECT_NEAR(sum, 1, 1e-5);
+  const auto similarity = contexts->similarity_to(context);
+  ASSERT_TRUE(similarity);
+  EXPECT_NEAR((*similarity)[bump.index()], 1, 1e-6);
+  EXPECT_GT((*similarity)[vertex_near(mesh, {0.5, -0.5, 0}).index()], 0.95);
+  EXPECT_LT((*similarity)[vertex_near(mesh, {0.5, 0.5, 0}).index()], 0.8);
+  EXPECT_LT((*similarity)[vertex_near(mesh, {0, 0, 0}).index()], 0.6);
+  EXPECT_FALSE(PatchContexts::build(surface, 0));
+}
+
+TEST(PatchContexts, OfAFlatSurfaceGrowWithTheDistance) {
+  const Mesh mesh = surfaces::paraboloid(0, 0, 80);
+  const Surface surface(mesh);
+  const Histogram context = PatchContexts::build(surface, 0.5)->of(vertex_near(mesh, {0, 0, 0}));
+  for (std::size_t row = 0; row < PatchContexts::kDistances; ++row) {
+    const double ring = (2 * static_cast<double>(row) + 1) / 100;  // its share of the disc
+    EXPECT_NEAR(context[row * PatchContexts::kAngles], ring, 0.03) << row;
+    for (std::size_t column = 1; column < PatchContexts::kAngles; ++column)
+      EXPECT_EQ(context[row * PatchContexts::kAngles + column], 0);
+  }
+}
+
+TEST(PatchExpansion, FindsTheLikesOfABump) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const auto patch = faces_near(mesh, {-0.5, -0.5, 0}, 0.2);
+  const auto expansion = expand_patch(surface, patch);
+  ASSERT_TRUE(expansion);
+  ASSERT_GE(expansion->size(), 3);
+  EXPECT_EQ(expansion->reference(), patch);
+  for (const Match& match : expansion->first(2)) {
+    EXPECT_GT(match.score, 0.9);
+    EXPECT_NEAR(static_cast<double>(match.faces.size()), static_cast<double>(patch.size()), 10);
+    EXPECT_NEAR(linear(match).determinant(), 1, 0.05);
+    EXPECT_NE(match.reason.find("surroundings"), std::string::npos);
+  }
+  EXPECT_LT(expansion->first(3)[2].score, expansion->first(2)[1].score - 0.1);
+  for (const Rejected& rejected : expansion->rejected()) EXPECT_FALSE(rejected.reason.empty());
+}
+
+TEST(PatchExpansion, AsksOneMeshWithAPatchOfAnother) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const Mesh other = surfaces::moved(mesh, {7, 8, 9});
+  const Surface of_patch(other);
+  const auto expansion = expand_patch(surface, of_patch, faces_near(other, {6.5, 7.5, 9}, 0.2));
+  ASSERT_TRUE(expansion);
+  for (const Match& match : expansion->first(3)) EXPECT_GT(match.score, 0.9);
+  const Vector3d shift = expansion->first(1)[0].reference_from_match.topRightCorner<3, 1>();
+  EXPECT_GT(shift.norm(), 5);
+}
+
+TEST(PatchExpansion, FindsOtherSizesWhenAsked) {
+  Mesh mesh = table_with_bumps();
+  mesh = surfaces::together(mesh, surfaces::moved(table_with_bumps(), {9, 0, 0}, 1.6));
+  const Surface surface(mesh);
+  const auto expansion = expand_patch(surface, faces_near(mesh, {-0.5, -0.5, 0}, 0.2), {.scales = {1, 1.26, 1.587}});
+  ASSERT_TRUE(expansion);
+  ASSERT_GE(expansion->size(), 5);
+  const auto best = expansion->first(5);
+  EXPECT_EQ(
+      std::ranges::count_if(
+          best, [](const Match& match) { return std::abs(std::cbrt(linear(match).determinant()) - 1 / 1.6) < 0.05; }),
+      3);
+}
+
+TEST(PatchExpansion, IsTheSameOnEveryRun) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const auto patch = faces_near(mesh, {-0.5, -0.5, 0}, 0.2);
+  const auto a = expand_patch(surface, patch);
+  const auto b = expand_patch(surface, patch);
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->size(), b->size());
+  for (std::size_t i = 0; i < a->size(); ++i) {
+    EXPECT_EQ(a->first(i + 1)[i].faces, b->first(i + 1)[i].faces);
+    EXPECT_EQ(a->first(i + 1)[i].score, b->first(i + 1)[i].score);
+  }
+}
+
+TEST(PatchExpansion, APatchThatIsTheWholeModelHasNoLikes) {
+  const Mesh mesh = surfaces::icosphere(3);
+  const Surface surface(mesh);
+  std::vector<FaceId> all;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) all.emplace_back(f);
+  const auto expansion = expand_patch(surface, all);
+  ASSERT_TRUE(expansion) << expansion.error().message;
+  EXPECT_EQ(expansion->size(), 0);
+}
+
+TEST(PatchExpansion, DegenerateMeshesGiveAResultOrAMessage) {
+  const Mesh one = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const auto alone = expand_patch(Surface(one), std::vector{FaceId(0)});
+  ASSERT_TRUE(alone) << alone.error().message;
+  EXPECT_EQ(alone->size(), 0);
+  const Mesh fan = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, 1}},
+                                     {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 0, 1}});
+  EXPECT_TRUE(expand_patch(Surface(fan), std::vector{FaceId(1)}));
+  const Mesh point = surfaces::mesh_of({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}});
+  EXPECT_FALSE(expand_patch(Surface(point), std::vector{FaceId(0)}));
+  EXPECT_FALSE(expand_patch(Surface(one), std::vector<FaceId>{}));
+  EXPECT_FALSE(expand_patch(Surface(one), std::vector{FaceId(7)}));
+  EXPECT_FALSE(expand_patch(Surface(one), std::vector{FaceId(0)}, {.scales = {}}));
+}
+
+TEST(PatchExpansion, StopsWhenAsked) {
+  const Mesh mesh = table_with_bumps();
+  std::stop_source stop;
+  stop.request_stop();
+  const auto expansion = expand_patch(Surface(mesh), std::vector{FaceId(0)}, {}, {.stop = stop.get_token()});
+  ASSERT_FALSE(expansion);
+  EXPECT_EQ(expansion.error().kind, ErrorKind::Cancelled);
+}
+
+}  // namespace
+}  // namespace armature::sdk

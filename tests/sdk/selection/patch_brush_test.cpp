@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include <armature/sdk/mesh/components.h>
+#include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/selection/patch_brush.h>
+#include <gtest/gtest.h>
+
+#include "tests/sdk/mesh/surfaces.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A table of side 2 with a round block on it: radius 0.4, height 0.2, steep but not vertical.
+Mesh table_with_a_block() {
+  return surfaces::over({100, 100, false, false, 0}, [](double i, double j) {
+    const Vector3d p(2 * i - 1, 2 * j - 1, 0);
+    return Vector3d(p.x(), p.y(), 0.2 * std::clamp((0.45 - p.norm()) / 0.05, 0.0, 1.0));
+  });
+}
+
+Vector3d middle(const Mesh& mesh, FaceId face) {
+  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+}
+
+std::vector<FaceId> faces_within(const Mesh& mesh, double radius) {
+  std::vector<FaceId> faces;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
+    if (middle(mesh, FaceId(f)).head<2>().norm() < radius) faces.emplace_back(f);
+  return faces;
+}
+
+/// Intersection over union, by area.
+double overlap(const Mesh& mesh, const std::vector<FaceId>& a, const std::vector<FaceId>& b) {
+  const auto area = [&](const std::vector<FaceId>& faces) {
+    double sum = 0;
+    for (const FaceId face : faces) sum += area_vector(mesh, face).norm();
+    return sum;
+  };
+  std::vector<FaceId> both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return area(both) / (area(a) + area(b) - area(both));
+}
+
+bool hangs_together(const Mesh& mesh, const std::vector<FaceId>& faces) {
+  Mesh part{.positions = mesh.positions};
+  for (const FaceId face : faces) part.triangles.push_back(mesh.triangle(face));
+  return find_components(part, Adjacency(part), LinkedBy::Edges).count == 1;
+}
+
+std::string refusal(const Expected<std::vector<FaceId>>& patch) {
+  return patch ? "accepted" : patch.error().message;
+}
+
+TEST(PatchBrush, StopsWhereTheSurfaceBends) {
+  const Mesh mesh = table_with_a_block();
+  const Surface surface(mesh);
+  const auto patch = select_patch(surface, {.strokes = {{{-0.1, 0, 0.2}, {0.1, 0.05, 0.2}}}, .radius = 0.2});
+  ASSERT_TRUE(patch) << refusal(patch);
+  EXPECT_GT(overlap(mesh, *patch, faces_within(mesh, 0.45)), 0.9);
+  EXPECT_TRUE(hangs_together(mesh, *patch));
+}
+
+TEST(PatchBrush, TheBackgroundIsLeftOutAndTheLastBrushCounts) {
+  const Mesh mesh = table_with_a_block();
+  const Surface surface(mesh);
+  const PatchStrokes drawn{
+      .strokes = {{{-0.2, 0, 0.2}}}, .radius = 0.15, .background = {{{0.2, -0.3, 0.2}, {0.2, 0.3, 0.2}}}};
+  const auto patch = select_patch(surface, drawn);
+  ASSERT_TRUE(patch) << refusal(patch);
+  for (const FaceId face : *patch) EXPECT_LT(middle(mesh, face).x(), 0.15);
+  PatchBrush brush(surface, 0.1);
+  const SurfacePoint point = surface.tree.closest({0, 0, 0.2});
+  brush.draw_to(point, Brush::Background);
+  EXPECT_TRUE(brush.faces().empty());
+  brush.draw_to(point, Brush::Patch);
+  EXPECT_FALSE(brush.faces().empty());
+}
+
+TEST(PatchBrush, DrawingPointByPointIsTheSameAsWholeStrokes) {
+  const Mesh mesh = table_with_a_block();
+  const Surface surface(mesh);
+  const std::vector<Vector3d> stroke = {{-0.2, 0, 0.2}, {0, 0.1, 0.2}, {0.2, 0, 0.2}};
+  PatchBrush brush(surface, 0.1);
+  std::size_t before = 0;
+  for (const Vector3d& point : stroke) {
+    brush.draw_to(surface.tree.closest(point));
+    EXPECT_GT(brush.faces().size(), 0);
+    EXPECT_TRUE(hangs_together(mesh, brush.faces()));
+    before = brush.faces().size();
+  }
+  EXPECT_EQ(before, select_patch(surface, {.strokes = {stroke}, .radius = 0.1})->size());
+}
+
+TEST(PatchBrush, DoesNotReachThroughAThinSheet) {
+  const Mesh top = surfaces::over({40, 40, false, false, 0}, [](double i, double j) { return Vector3d(i, j, 0); });
+  Mesh mesh = surfaces::together(top, surfaces::moved(surfaces::inside_out(top), {0, 0, -0.01}));
+  const Surface surface(mesh);
+  const auto patch = select_patch(surface, {.strokes = {{{0.5, 0.5, 0}}}, .radius = 0.1});
+  ASSERT_TRUE(patch);
+  for (const FaceId face : *patch) EXPECT_LT(face.index(), top.triangles.size());
+}
+
+TEST(PatchBrush, AcrossTwoComponentsTheLargerBrushedPieceCounts) {
+  const Mesh ball = surfaces::icosphere(3);
+  const Mesh mesh = surfaces::together(ball, surfaces::moved(ball, {2.2, 0, 0}));
+  const Surface surface(mesh);
+  const auto patch = select_patch(surface, {.strokes = {{{0, 1, 0}, {0.7, 0.7, 0}, {1.6, 0.7, 0}}}, .radius = 0.2});
+  ASSERT_TRUE(patch) << refusal(patch);
+  EXPECT_TRUE(hangs_together(mesh, *patch));
+  EXPECT_LT(patch->back().index(), ball.triangles.size());
+}
+
+TEST(PatchBrush, ABrushLargerThanTheModelSelectsAllOfIt) {
+  const Mesh mesh = surfaces::icosphere(2);
+  const Surface surface(mesh);
+  EXPECT_EQ(select_patch(surface, {.strokes = {{{0, 0, 1}}}, .radius = 50})->size(), mesh.triangles.size());
+}
+
+TEST(PatchBrush, OneTriangleIsAPatch) {
+  const Mesh mesh = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const Surface surface(mesh);
+  EXPECT_EQ(*select_patch(surface, {.strokes = {{{0.1, 0.1, 0}}}, .radius = 1e-6}), std::vector{FaceId(0)});
+}
+
+TEST(PatchBrush, ReachesOverEdgesOfThreeFacesAndBesideFacesWithoutAnArea) {
+  Mesh mesh = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, 1}},
+                                {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 0, 1}, {0, 1, 1}});
+  const Surface surface(mesh);
+  const auto patch = select_patch(surface, {.strokes = {{{0.5, 0, 0}}}, .radius = 0.6});
+  ASSERT_TRUE(patch) << refusal(patch);
+  EXPECT_EQ(patch->size(), 3);
+}
+
+TEST(PatchBrush, StrokesThatCannotBeAreRefusedByName) {
+  const Mesh mesh = surfaces::icosphere(2);
+  const Surface surface(mesh);
+  const auto said = [&](const PatchStrokes& drawn) { return refusal(select_patch(surface, drawn)); };
+  EXPECT_NE(said({.strokes = {{{0, 0, 1}}, {{0, 0, 2}}}, .radius = 0.1}).find("strokes[1], point 0"),
+            std::string::npos);
+  EXPECT_NE(said({.strokes = {{}}, .radius = 0.1}).find("strokes[0]"), std::string::npos);
+  EXPECT_NE(said({.strokes = {}, .radius = 0.1}).find("stroke"), std::string::npos);
+  EXPECT_NE(said({.strokes = {{{0, 0, 1}}}, .radius = 0}).find("radius"), std::string::npos);
+  EXPECT_NE(said({.strokes = {{{0, 0, 1}}}, .radius = 0.2, .background = {{{0, 0, 1}}}}).find("background"),
+            std::string::npos);
+  const Mesh none;
+  EXPECT_NE(refusal(select_patch(Surface(none), {.strokes = {{{0, 0, 1}}}, .radius = 1})).find("no face"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace armature::sdk

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/expansion/expansion.h>
+#include <armature/sdk/mesh/mesh.h>
+
+namespace armature::tools {
+
+/// A region that is known to be like a reference.
+struct PlantedCopy {
+  std::vector<sdk::FaceId> faces = {};  ///< ascending
+  Eigen::Matrix4d reference_from_copy = Eigen::Matrix4d::Identity();
+  bool mirrored = false;
+};
+
+/// A mesh in which the likes of a region are known.
+struct PlantedScene {
+  sdk::Mesh mesh;
+  std::vector<sdk::FaceId> reference = {};  ///< ascending
+  std::vector<PlantedCopy> copies = {};     ///< without the reference
+};
+
+/// What is planted.
+struct PlantOptions {
+  std::size_t copies = 8;
+  double largest_scale = 1;  ///< copies are up to so many times as large, or as small, as the reference
+  bool mirrored = false;     ///< every other copy is a mirror image
+  double noise_percent =
+      0;  ///< of the diagonal of the ball's, or a model's, bounding box: every vertex moves by up to it
+  std::uint32_t seed = 1;
+};
+
+/// One shape of relief, without any symmetry, at random places and turns of a ball; between them three times as many of
+/// other shapes. The ball is an icosahedron whose faces are cut into four `rounds` times.
+[[nodiscard]] PlantedScene planted_reliefs(const PlantOptions& options, int rounds);
+
+/// A model and turned copies of it beside one another; a region of it is the reference. The same triangles in the same
+/// order for each.
+[[nodiscard]] PlantedScene planted_models(const sdk::Mesh& model, std::span<const sdk::FaceId> region,
+                                          const PlantOptions& options);
+
+/// How well an expansion finds what was planted. Of the first k matches, k being how many copies there are.
+struct PlantedQuality {
+  double precision = 0;  ///< matches that share more than half with a copy, of k
+  double recall = 0;     ///< copies that such a match shares with, of all
+  double overlap = 0;    ///< area of intersection over union, mean of those matches
+  double flipped = 0;  ///< those turned by more than 45 degrees against the truth or wrongly mirrored, of those matches
+};
+[[nodiscard]] PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expansion);
+
+}  // namespace armature::tools
