@@ -65,7 +65,8 @@ class GirthProfile {
     double sum = 0;
     for (std::size_t i = 0; i < ways_.size(); ++i) sum += unlike(tree_.girth_at(node, s * ways_[i]) / s, girths_[i]);
     constexpr double kLength = 0.1;  // so much does the distance to the tip matter
-    return sum / kSteps + kLength * unlike(tree_.nodes()[node].along / s, reference_.along);
+    constexpr double kScale = 0.1;   // and the size: what tapers is like itself at every size
+    return sum / kSteps + kLength * unlike(tree_.nodes()[node].along / s, reference_.along) + kScale * unlike(s, 1);
   }
 
  private:
@@ -165,7 +166,7 @@ class PartDescriptor {
   const LevelNode& reference_;
 };
 
-constexpr double kReach = 2;            // of the rings about a virtual stroke, in offsets
+constexpr double kReach = 1;            // of the rings about a virtual stroke, in offsets
 constexpr double kCarryReach = 0.25;    // how far from there a copy's cut may lie, in girths
 constexpr double kCopy = 0.02;          // how closely a copy fits, in roots of the area
 constexpr double kCopyAboutCut = 0.02;  // how closely another one does about the cut, in girths
@@ -242,10 +243,9 @@ Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> 
     if (result.faces.empty()) return;
     const PartFrame frame = frame_of(surface, result.faces);
     const PartFrame& wanted_frame = onto_reference.frame();
-    result.registration =
-        onto_reference.lay(frame, wanted_frame.size / frame.size, middles(mesh, result.faces, kSamples));
-    // What is like the reference as a whole, or else about the cut, ends where the reference does.
     const double girth_scale = reference_root.girth / node.girth;
+    result.registration = onto_reference.lay(frame, girth_scale, middles(mesh, result.faces, kSamples));
+    // What is like the reference as a whole, or else about the cut, ends where the reference does.
     const Ring ring = cutter.ring_around(node, std::max(kReach * model.offset(), kCarryReach * node.girth));
     result.copy = result.registration.residual < kCopy * wanted_frame.size;
     const auto about_cut = some_of(mesh, ring.near, kSamples);

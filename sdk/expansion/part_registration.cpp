@@ -142,16 +142,33 @@ PartFrame frame_of(const Surface& surface, std::span<const FaceId> faces) {
 PartRegistration::PartRegistration(const Surface& surface, std::span<const FaceId> reference,
                                    std::span<const VertexId> around)
     : frame_(frame_of(surface, reference)) {
-  std::vector<VertexId> vertices(around.begin(), around.end());
-  for (const FaceId face : reference)
-    for (const VertexId v : surface.mesh.triangle(face)) vertices.push_back(v);
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  const Mesh& mesh = surface.mesh;
+  std::vector<FaceId> faces(reference.begin(), reference.end());
+  for (const VertexId v : around) {
+    const auto at = surface.adjacency.faces(v);
+    faces.insert(faces.end(), at.begin(), at.end());
+  }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  // Middles of faces and of their halves about each corner, so that coarse meshes have enough of them.
   constexpr std::size_t kMost = 800;
-  const std::size_t count = std::min(kMost, vertices.size());
+  const std::size_t all = 4 * faces.size();
+  const std::size_t count = std::min(kMost, all);
   for (std::size_t i = 0; i < count; ++i) {
-    const VertexId v = vertices[i * vertices.size() / count];
-    goal_.push_back({surface.mesh.position(v).cast<float>(), surface.vertex_normals[v.index()].cast<float>()});
+    const std::size_t place = i * all / count;
+    const Triangle& corners = mesh.triangle(faces[place / 4]);
+    Vector3d weights = Vector3d::Constant(1.0 / 3);
+    if (place % 4 < 3) {
+      weights = Vector3d::Constant(1.0 / 6);
+      weights[static_cast<Eigen::Index>(place % 4)] = 2.0 / 3;
+    }
+    Vector3d point = Vector3d::Zero();
+    Vector3d normal = Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      point += weights[static_cast<Eigen::Index>(k)] * mesh.position(corners[k]);
+      normal += weights[static_cast<Eigen::Index>(k)] * surface.vertex_normals[corners[k].index()];
+    }
+    goal_.push_back({point.cast<float>(), normal.stableNormalized().cast<float>()});
   }
 }
 
@@ -185,9 +202,8 @@ Registration PartRegistration::lay(const PartFrame& part, double scale, std::spa
     return refine({starts[mirrored ? 1 : 0].reference_from_part, mirrored}, points);
   };
   const Registration plain = finished(false);
-  // Most parts are like their mirror image: only one that fits clearly better counts.
-  if (starts[1].error > starts[0].error) return plain;
   const Registration mirrored = finished(true);
+  // Most parts are like their mirror image: only one that fits clearly better counts.
   constexpr double kClearlyBetter = 0.5;
   return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;
 }

@@ -35,6 +35,25 @@ def table(bumps):
     return "\n".join(lines) + "\n"
 
 
+def horned_ball(rings=80, around=60):
+    """A ball around the origin with a horn up and one down, in OFF: a surface of revolution."""
+    profile = []
+    for i in range(1, rings):
+        t = math.pi * i / rings
+        horn = max(0.0, 1 - math.sin(t) / 0.35)  # near the poles
+        profile.append((math.sin(t) * (1 if horn == 0 else 1 - 0.2 * horn), math.cos(t) * (1 + 0.8 * horn ** 0.5)))
+    points = [(0, 0, profile[0][1] + 0.02)]
+    points += [(r * math.cos(2 * math.pi * j / around), r * math.sin(2 * math.pi * j / around), z)
+               for r, z in profile for j in range(around)]
+    points.append((0, 0, profile[-1][1] - 0.02))
+    at = lambda i, j: 1 + i * around + j % around
+    faces = [(0, at(0, j), at(0, j + 1)) for j in range(around)]
+    faces += [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)) for i in range(rings - 2) for j in range(around)]
+    faces += [(len(points) - 1, at(rings - 2, j + 1), at(rings - 2, j)) for j in range(around)]
+    lines = [f"OFF\n{len(points)} {len(faces)} 0"] + [" ".join(map(str, p)) for p in points]
+    return "\n".join(lines + [" ".join(map(str, (len(f), *f))) for f in faces]) + "\n"
+
+
 def run(*arguments):
     return subprocess.run([ARMATURE, "select", *map(str, arguments)], capture_output=True, text=True, timeout=300)
 
@@ -51,7 +70,11 @@ class Select(unittest.TestCase):
         return path
 
     def select(self, gesture, *arguments):
-        result = run(self.mesh, "--gesture", self.file("gesture.json", json.dumps(gesture)), "--json", *arguments)
+        return self.select_on(None, gesture, *arguments)
+
+    def select_on(self, off, gesture, *arguments):
+        mesh = self.mesh if off is None else self.file("other.off", off)
+        result = run(mesh, "--gesture", self.file("gesture.json", json.dumps(gesture)), "--json", *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stdout.count("\n"), 1)
         return json.loads(result.stdout)
@@ -63,6 +86,24 @@ class Select(unittest.TestCase):
         self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
         for word in (path, *words):
             self.assertIn(str(word), result.stderr)
+
+    def test_a_part_and_the_one_like_it(self):
+        # A ball with two horns.
+        result = self.select_on(horned_ball(), {"tool": "part", "stroke": [[0.25, 0, 1.3], [0.18, 0.18, 1.3], [0, 0.25, 1.3]]},
+                                "--expand", 1)
+        self.assertEqual(set(result["timings_ms"]), {"load", "select", "expand"})
+        (match,) = result["matches"]
+        self.assertGreater(match["score"], 0.9)
+        self.assertTrue(match["reason"])
+        self.assertLess(abs(len(match["faces"]) / len(result["reference"]["faces"]) - 1), 0.1)
+        self.assertFalse(set(match["faces"]) & set(result["reference"]["faces"]))
+
+    def test_strokes_that_cannot_be_drawn(self):
+        self.assert_refused('{"tool":"part"}', '"stroke"', "is missing")
+        self.assert_refused('{"tool":"part","stroke":[]}', '"stroke"', "found none")
+        self.assert_refused('{"tool":"part","stroke":[[0,0]]}', "expected three finite numbers")
+        self.assert_refused('{"tool":"part","stroke":[[0,0,900]]}', "stroke 0, point 0", "draw within")
+        self.assert_refused('{"tool":"part","stroke":[[0,0,0]],"radius":1}', '"radius"')
 
     def test_a_component_and_the_one_like_it(self):
         result = self.select({"tool": "component", "face": 5}, "--expand", 2)

@@ -83,7 +83,7 @@ class Reader {
 
  private:
   using Tool = Expected<Gesture> (Reader::*)(const Json&) const;
-  static const std::array<std::pair<const char*, Tool>, 2> kTools;
+  static const std::array<std::pair<const char*, Tool>, 3> kTools;
 
   static std::string tools() {
     std::vector<std::string> names;
@@ -122,6 +122,14 @@ class Reader {
       gesture.drawn.background = std::move(*background);
     }
     return gesture;
+  }
+
+  Expected<Gesture> part(const Json& json) const {
+    if (auto checked = only_keys(json, {"tool", "stroke"}); !checked) return tl::unexpected(checked.error());
+    auto drawn = strokes(json, "stroke");
+    if (!drawn) return tl::unexpected(drawn.error());
+    if (drawn->empty()) return refuse("\"stroke\"", "expected points [[x,y,z],...] along the cut, found none");
+    return PartGesture{std::move(*drawn)};
   }
 
   using Stroke = std::vector<Eigen::Vector3d>;
@@ -178,8 +186,8 @@ class Reader {
   std::size_t faces_;
 };
 
-const std::array<std::pair<const char*, Reader::Tool>, 2> Reader::kTools = {
-    {{"component", &Reader::component}, {"patch", &Reader::patch}}};
+const std::array<std::pair<const char*, Reader::Tool>, 3> Reader::kTools = {
+    {{"component", &Reader::component}, {"part", &Reader::part}, {"patch", &Reader::patch}}};
 
 }  // namespace
 

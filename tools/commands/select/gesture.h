@@ -3,7 +3,9 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
+#include <Eigen/Core>
 #include <armature/sdk/mesh/ids.h>
 #include <armature/sdk/selection/patch_brush.h>
 
@@ -22,8 +24,13 @@ struct PatchGesture {
   sdk::PatchStrokes drawn;
 };
 
+/// Strokes along one cut: {"tool":"part","stroke":[[x,y,z],...]}, or a list of such strokes.
+struct PartGesture {
+  std::vector<std::vector<Eigen::Vector3d>> strokes;
+};
+
 /// What a user does to select a region.
-using Gesture = std::variant<ComponentGesture, PatchGesture>;
+using Gesture = std::variant<ComponentGesture, PartGesture, PatchGesture>;
 
 /// Reads a gesture from JSON, for a mesh of so many faces. Refused in one line with the place: what is not JSON, keys
 /// that are unknown, missing or there twice, numbers that are not finite, faces that are not there. `name` stands for

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/expansion/expand_part.h>
 #include <armature/sdk/expansion/patch_expansion.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/selection/part_cut.h>
 #include <armature/sdk/selection/patch_brush.h>
 #include <fmt/format.h>
 
@@ -83,6 +85,32 @@ struct Select {
     timings["map"] = number(times.map_ms);
     timings["learn"] = number(times.learn_ms);
     timings["match"] = number(times.candidates > 0 ? times.matches_ms / static_cast<double>(times.candidates) : 0);
+    return Outcome{std::move(*expansion), std::move(timings)};
+  }
+
+  sdk::Expected<Outcome> operator()(const PartGesture& gesture) const {
+    if (&drawn_on != &mesh) return sdk::fail("--from works with patches; draw along a cut of the mesh itself");
+    const auto start = std::chrono::steady_clock::now();
+    const sdk::Surface surface(mesh);
+    const auto model = sdk::PartModel::build(surface, task);
+    if (!model) return tl::unexpected(model.error());
+    sdk::PartCut cut(*model);
+    const double load_ms = milliseconds_since(start);
+    const auto drawn = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < gesture.strokes.size(); ++i) {
+      const auto points = sdk::project_stroke(surface, gesture.strokes[i], "stroke " + std::to_string(i));
+      if (!points) return tl::unexpected(points.error());
+      cut.begin_stroke();
+      for (const sdk::SurfacePoint& point : *points) cut.add_point(point);
+    }
+    auto part = cut.faces();
+    if (!part) return tl::unexpected(part.error());
+    Json timings = {{"load", number(load_ms)}, {"select", number(milliseconds_since(drawn))}};
+    if (arguments.expand == 0) return Outcome{sdk::Expansion(std::move(*part), {}, {}), std::move(timings)};
+    const auto began = std::chrono::steady_clock::now();
+    auto expansion = sdk::expand_part(*model, *part, {}, task);
+    if (!expansion) return tl::unexpected(expansion.error());
+    timings["expand"] = number(milliseconds_since(began));
     return Outcome{std::move(*expansion), std::move(timings)};
   }
 };
@@ -175,6 +203,8 @@ void add_select(CLI::App& app, Run& run) {
       "Gestures (lengths in the model's units; faces count from 0, after polygons are cut into triangles):\n"
       "  {\"tool\":\"component\",\"face\":F}\n"
       "      the connected component of face F\n"
+      "  {\"tool\":\"part\",\"stroke\":[[x,y,z],...]}\n"
+      "      what a stroke along the cut cuts off, on the side that protrudes; or a list of strokes along one cut\n"
       "  {\"tool\":\"patch\",\"strokes\":[[[x,y,z],...],...],\"radius\":R,\"background\":[[[x,y,z],...],...]}\n"
       "      what a brush of radius R goes over, and on to where the surface bends; never over the background "
       "strokes,\n"
