@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -18,10 +19,13 @@ using Eigen::Matrix3d;
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-constexpr double kSamples = 600;    // of a patch's surroundings, about, and one a face at least
+constexpr double kSamples = 600;  // of a patch's surroundings, about, and one a face at least
+constexpr std::size_t kMostSamples = 1500;
 constexpr std::size_t kFew = 120;   // that decide between angles
 constexpr std::size_t kMany = 300;  // that decide where exactly
-constexpr std::size_t kAngles = 3;  // that are tried, of each handedness
+constexpr std::size_t kStarts = 4;  // that are tried, of each handedness
+constexpr double kAstray = 0.25;    // how far from its place a centre is looked for, of the radius
+constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
 constexpr double kStill = 1e-4;          // a step that ends the search, of the radius
@@ -30,14 +34,10 @@ constexpr double kWorthMirroring = 0.8;  // a mirror image must leave so much le
 constexpr double kUndecided = 0.1;       // a closer look tells which of two is better that differ by less
 constexpr double kAlike = 1e-5;          // misfits that differ by less tell nothing
 constexpr std::size_t kCellRings = 5;    // of the cells that noise is averaged over
-constexpr double kApart = 0.05;          // surfaces that do not lie on one another, of the radius
-constexpr double kReach = 0.2;           // how far a face may lie from the patch that it belongs to, of the radius
-
-/// Angles between two reliefs, in sectors, and how much they differ there.
-struct Shift {
-  std::size_t sectors;
-  double difference;
-};
+constexpr double kSure = 0.5;            // of the way to the border of the patch, all is on the same side
+constexpr std::uint32_t kNotAsked = 0xFFFF'FFFF;
+constexpr double kApart = 0.05;  // surfaces that do not lie on one another, of the radius
+constexpr double kReach = 0.2;   // how far a face may lie from the patch that it belongs to, of the radius
 
 /// The sector of one relief that a sector of the other comes to lie on.
 std::size_t sector_onto(std::size_t sector, std::size_t shift, bool mirrored) {
@@ -58,18 +58,32 @@ double difference(const PolarRelief& reference, const PolarRelief& target, std::
   return area > 0 ? sum / area : 0;
 }
 
-/// The shifts at which two reliefs agree best: local minima, best first.
-std::vector<Shift> best_shifts(const PolarRelief& reference, const PolarRelief& target, bool mirrored) {
+/// A place where the reference's centre may lie, and how the surface rises around it.
+struct Centre {
+  Vector3d point;
+  PolarRelief relief;
+};
+
+/// A centre, and a shift by sectors against the reference.
+struct Start {
+  const Centre* at;
+  std::size_t shift;
+  double difference;
+};
+
+/// The starts at which reliefs agree best: local minima over the angle, best first.
+std::vector<Start> best_starts(const PolarRelief& reference, const std::vector<Centre>& centres, bool mirrored) {
   constexpr std::size_t n = PolarRelief::kSectors;
-  std::array<double, n> differences{};
-  for (std::size_t shift = 0; shift < n; ++shift) differences[shift] = difference(reference, target, shift, mirrored);
-  std::vector<Shift> minima;
-  for (std::size_t shift = 0; shift < n; ++shift)
-    if (differences[shift] <= differences[(shift + 1) % n] && differences[shift] < differences[(shift + n - 1) % n])
-      minima.push_back({shift, differences[shift]});
-  if (minima.empty()) minima.push_back({0, differences[0]});  // round
-  std::ranges::stable_sort(minima, {}, &Shift::difference);
-  minima.resize(std::min(minima.size(), kAngles));
+  std::vector<Start> minima;
+  for (const Centre& centre : centres) {
+    std::array<double, n> differences{};
+    for (std::size_t k = 0; k < n; ++k) differences[k] = difference(reference, centre.relief, k, mirrored);
+    for (std::size_t k = 0; k < n; ++k)
+      if (differences[k] <= differences[(k + 1) % n] && differences[k] <= differences[(k + n - 1) % n])
+        minima.push_back({&centre, k, differences[k]});
+  }
+  std::ranges::stable_sort(minima, {}, &Start::difference);
+  minima.resize(std::min(minima.size(), kStarts));
   return minima;
 }
 
@@ -121,6 +135,34 @@ PolarRelief relief_of(const std::vector<SurfaceSample>& samples, const Vector3d&
   return relief;
 }
 
+/// The border of a patch, as a mesh of faces that are edges.
+Mesh border_of(const Surface& surface, std::span<const FaceId> patch) {
+  Mesh border{.positions = surface.mesh.positions};
+  std::vector<bool> in_patch(surface.mesh.triangles.size());
+  for (const FaceId face : patch) in_patch[face.index()] = true;
+  for (const FaceId face : patch)
+    for (const EdgeId edge : surface.adjacency.edges(face)) {
+      if (!edge.valid()) continue;
+      const auto sharing = surface.adjacency.faces(edge);
+      const auto& [a, b] = surface.adjacency.edge(edge);
+      if (std::ranges::any_of(sharing, [&](FaceId other) { return !in_patch[other.index()]; }))
+        border.triangles.push_back({a, b, b});
+    }
+  return border;
+}
+
+/// Where the centre may lie: noise leads the maxima of contexts astray.
+std::vector<Centre> centres_about(const PatchSurroundings& there, double radius) {
+  std::vector<Centre> centres = {{there.centre, there.relief}};
+  for (int k = 0; k < kAround; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kAround;
+    const Vector3d aside(std::cos(angle), std::sin(angle), 0);
+    const Vector3d point = there.centre + kAstray * radius * (there.relief.frame * aside);
+    centres.push_back({point, relief_of(there.samples, point, radius)});
+  }
+  return centres;
+}
+
 /// The cell of every sample, around the mean normal: kCellRings of equal width, the k-th of 2 k + 1 thirds.
 std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius) {
   std::vector<std::size_t> cells;
@@ -137,36 +179,45 @@ std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius
 
 }  // namespace
 
-PatchSurroundings::PatchSurroundings(const Surface& surface, VertexId at, double radius)
+PatchSurroundings::PatchSurroundings(const Surface& surface, VertexId at, double radius, double reach)
     : centre(surface.mesh.position(at)) {
   const Mesh& mesh = surface.mesh;
   faces = flood(surface.adjacency, surface.adjacency.faces(at), mesh.triangles.size(), [&](FaceId face) {
     return std::ranges::any_of(mesh.triangle(face),
-                               [&](VertexId v) { return (mesh.position(v) - centre).norm() <= radius; });
+                               [&](VertexId v) { return (mesh.position(v) - centre).norm() <= reach; });
   });
   samples = samples_of(mesh, faces, std::numbers::pi * radius * radius / kSamples);
-  std::erase_if(samples, [&](const SurfaceSample& s) { return (s.point - centre).norm() > radius; });
+  std::erase_if(samples, [&](const SurfaceSample& s) { return (s.point - centre).norm() > reach; });
+  if (const std::size_t every = samples.size() / kMostSamples; every > 1) {
+    // Faces come ring by ring, so that every n-th of them are spread evenly.
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < samples.size(); i += every) samples[kept++] = samples[i];
+    samples.erase(samples.begin() + static_cast<std::ptrdiff_t>(kept), samples.end());
+  }
   relief = relief_of(samples, centre, radius);
 }
 
 PatchReference::PatchReference(const Surface& surface, std::span<const FaceId> patch, const PatchBall& ball)
     : surface_(&surface),
       ball_(ball),
-      around_(surface, ball.centre, ball.radius),
+      around_(surface, ball.centre, ball.radius, ball.radius),
       in_patch_(surface.mesh.triangles.size()),
-      cells_(cells_of(around_, ball.radius)) {
+      cells_(cells_of(around_, ball.radius)),
+      border_(border_of(surface, patch)) {
   for (const FaceId face : patch) in_patch_[face.index()] = true;
 }
 
 Registration PatchReference::lay_onto(const Surface& target, VertexId at, double scale, bool mirrored_too) const {
-  const PatchSurroundings there(target, at, scale * ball_.radius);
+  const double radius = scale * ball_.radius;
+  const PatchSurroundings there(target, at, radius, (1 + kAstray) * radius);
+  const std::vector<Centre> centres = centres_about(there, radius);
   const auto best_of = [&](bool mirrored) {
     std::optional<Registration> best;
-    for (const Shift& shift : best_shifts(around_.relief, there.relief, mirrored)) {
+    for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
       Registration tried{.scale = scale, .mirrored = mirrored};
-      const Matrix3d A = scale * turn_by(around_.relief, there.relief, shift.sectors, mirrored);
+      const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       tried.target_from_reference.topLeftCorner<3, 3>() = A;
-      tried.target_from_reference.topRightCorner<3, 1>() = there.centre - A * around_.centre;
+      tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
       improve(target, tried, scale, kFew, kFewRounds);
       if (!best || tried.misfit < best->misfit) best = tried;
     }
@@ -278,17 +329,38 @@ std::vector<FaceId> PatchReference::extent(const Surface& target, const Registra
   const auto near = flood(target.adjacency, std::span(&start.face, 1), mesh.triangles.size(), [&](FaceId face) {
     return face == start.face || (apply(reference_from_target, middle(mesh, face)) - around_.centre).norm() < reach;
   });
+  // Where the patch's boundary is far, what holds for one face holds for those around it.
+  struct Asked {
+    Vector3d at;
+    double valid_within;
+    bool inside;
+  };
+  const auto ask = [&](FaceId face, const Vector3d& at) {
+    const SurfacePoint on = surface_->tree.closest(at, {.within = kReach * ball_.radius});
+    const double border = border_.closest(at).distance;
+    const bool lies_there = on.face.valid() && in_patch_[on.face.index()];
+    const Vector3d facing = reference_from_target.topLeftCorner<3, 3>() * area_vector(mesh, face);
+    return Asked{at, kSure * border, lies_there && facing.dot(area_vector(surface_->mesh, on.face)) >= 0};
+  };
+  std::vector<Asked> asked;
+  std::vector<std::uint32_t> answer(mesh.triangles.size(), kNotAsked);  // by face
   std::vector<FaceId> inside;
   std::vector<bool> is_inside(mesh.triangles.size());
-  FaceId hint;
   for (const FaceId face : near) {
-    const SurfacePoint on = surface_->tree.closest(apply(reference_from_target, middle(mesh, face)),
-                                                   {.within = kReach * ball_.radius, .hint = hint});
-    if (!on.face.valid()) continue;
-    hint = on.face;
-    if (!in_patch_[on.face.index()]) continue;
-    const Vector3d facing = reference_from_target.topLeftCorner<3, 3>() * area_vector(mesh, face);
-    if (facing.dot(area_vector(surface_->mesh, on.face)) < 0) continue;
+    const Vector3d at = apply(reference_from_target, middle(mesh, face));
+    std::uint32_t& mine = answer[face.index()];
+    for (const EdgeId edge : target.adjacency.edges(face)) {
+      if (!edge.valid()) continue;
+      for (const FaceId next : target.adjacency.faces(edge)) {
+        const std::uint32_t theirs = answer[next.index()];
+        if (theirs != kNotAsked && (asked[theirs].at - at).norm() < asked[theirs].valid_within) mine = theirs;
+      }
+    }
+    if (mine == kNotAsked) {
+      mine = static_cast<std::uint32_t>(asked.size());
+      asked.push_back(ask(face, at));
+    }
+    if (!asked[mine].inside) continue;
     inside.push_back(face);
     is_inside[face.index()] = true;
   }

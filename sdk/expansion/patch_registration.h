@@ -32,7 +32,8 @@ struct PatchSurroundings {
   std::vector<SurfaceSample> samples;  ///< a few hundred
   PolarRelief relief;
 
-  PatchSurroundings(const Surface& surface, VertexId at, double radius);
+  /// Faces and samples within `reach`, the relief within `radius`.
+  PatchSurroundings(const Surface& surface, VertexId at, double radius, double reach);
 };
 
 /// Where a patch lies on a surface.
@@ -67,6 +68,7 @@ class PatchReference {
   PatchSurroundings around_;
   std::vector<bool> in_patch_;      // by face
   std::vector<std::size_t> cells_;  // that noise is averaged over, by sample
+  MeshTree border_;                 // of the patch
 };
 
 }  // namespace armature::sdk

@@ -1,6 +1,7 @@
 #include "tools/evaluation/planted.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -8,6 +9,7 @@
 #include <random>
 
 #include <Eigen/Geometry>
+#include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/mesh/measures.h>
 
 #include "tools/evaluation/shapes.h"
@@ -137,7 +139,8 @@ PlantedScene planted_reliefs(const PlantOptions& options, int rounds) {
 PlantedScene planted_models(const sdk::Mesh& model, std::span<const sdk::FaceId> region, const PlantOptions& options) {
   Random random(options.seed);
   const double apart = 1.5 * options.largest_scale * sdk::bounding_box_diagonal(model);
-  PlantedScene scene{.reference = {region.begin(), region.end()}};
+  PlantedScene scene;
+  scene.reference.assign(region.begin(), region.end());
   for (std::size_t i = 0; i <= options.copies; ++i) {
     const bool mirrored = options.mirrored && i % 2 == 1;
     Matrix4d there = Matrix4d::Identity();
@@ -162,6 +165,52 @@ PlantedScene planted_models(const sdk::Mesh& model, std::span<const sdk::FaceId>
     }
   }
   return scene;
+}
+
+PlantedScene planted_components(const PlantOptions& options, int rounds) {
+  const sdk::Mesh blob = creature(rounds);
+  std::vector<sdk::FaceId> all;
+  for (std::size_t f = 0; f < blob.triangles.size(); ++f) all.emplace_back(f);
+  PlantedScene scene = planted_models(blob, all, options);
+  const std::array others = {icosphere(rounds), hollow_ball(rounds, 0.7), half_of(blob)};
+  const double apart = 1.5 * options.largest_scale * sdk::bounding_box_diagonal(blob);
+  for (std::size_t i = 0; i < others.size() * options.copies; ++i) {
+    const sdk::Mesh& other = others[i % others.size()];
+    const Vector3d shift(static_cast<double>(i % 5) * apart, static_cast<double>(i / 5) * apart, 3 * apart);
+    const std::size_t offset = scene.mesh.positions.size();
+    for (const Vector3d& p : other.positions) scene.mesh.positions.emplace_back(p + shift);
+    for (const auto& [a, b, c] : other.triangles)
+      scene.mesh.triangles.push_back(
+          {sdk::VertexId(a.index() + offset), sdk::VertexId(b.index() + offset), sdk::VertexId(c.index() + offset)});
+  }
+  return scene;
+}
+
+std::vector<sdk::FaceId> region_about(const sdk::Mesh& mesh, sdk::VertexId vertex, double radius) {
+  const sdk::Adjacency adjacency(mesh);
+  const Vector3d centre = mesh.position(vertex);
+  std::vector<bool> seen(mesh.triangles.size());
+  std::vector<sdk::FaceId> reached;
+  const auto reach = [&](std::span<const sdk::FaceId> faces) {
+    for (const sdk::FaceId face : faces) {
+      if (seen[face.index()]) continue;
+      seen[face.index()] = true;
+      const Vector3d middle = (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+      if ((middle - centre).norm() < radius) reached.push_back(face);
+    }
+  };
+  reach(adjacency.faces(vertex));
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    for (const sdk::VertexId corner : mesh.triangle(reached[i])) reach(adjacency.faces(corner));
+  std::ranges::sort(reached);
+  return reached;
+}
+
+sdk::VertexId farthest_vertex(const sdk::Mesh& mesh) {
+  const Vector3d middle = sdk::bounding_box(mesh).center();
+  const auto farthest =
+      std::ranges::max_element(mesh.positions, {}, [&](const Vector3d& p) { return (p - middle).squaredNorm(); });
+  return sdk::VertexId(farthest - mesh.positions.begin());
 }
 
 PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expansion) {

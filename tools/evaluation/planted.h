@@ -20,7 +20,7 @@ struct PlantedCopy {
 
 /// A mesh in which the likes of a region are known.
 struct PlantedScene {
-  sdk::Mesh mesh;
+  sdk::Mesh mesh = {};
   std::vector<sdk::FaceId> reference = {};  ///< ascending
   std::vector<PlantedCopy> copies = {};     ///< without the reference
 };
@@ -43,6 +43,14 @@ struct PlantOptions {
 /// order for each.
 [[nodiscard]] PlantedScene planted_models(const sdk::Mesh& model, std::span<const sdk::FaceId> region,
                                           const PlantOptions& options);
+
+/// Copies of a blob with arms as components of their own, and beside each a ball, a hollow ball and half a blob.
+[[nodiscard]] PlantedScene planted_components(const PlantOptions& options, int rounds);
+
+/// The faces within `radius` of a vertex that hang together with it, ascending: for want of a brush.
+[[nodiscard]] std::vector<sdk::FaceId> region_about(const sdk::Mesh& mesh, sdk::VertexId vertex, double radius);
+/// The vertex that lies farthest from the middle of the bounding box.
+[[nodiscard]] sdk::VertexId farthest_vertex(const sdk::Mesh& mesh);
 
 /// How well an expansion finds what was planted. Of the first k matches, k being how many copies there are.
 struct PlantedQuality {

@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/expansion/patch_expansion.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/selection/patch_brush.h>
+#include <fmt/format.h>
+
+#include "tools/commands/bench/bench.h"
+#include "tools/commands/choices.h"
+#include "tools/elapsed.h"
+#include "tools/evaluation/planted.h"
+#include "tools/evaluation/published.h"
+#include "tools/evaluation/shapes.h"
+#include "tools/json_lines.h"
+#include "tools/sdk_call.h"
+
+namespace armature::tools {
+namespace {
+
+struct SelectBenchOptions {
+  std::string models;
+  std::vector<std::string> only;
+  int seeds = 3;
+  int rounds = 3;
+  bool json = false;
+};
+
+/// How long the steps of selecting a patch and its likes take, in milliseconds.
+struct PatchTimes {
+  double load_ms = std::numeric_limits<double>::infinity();
+  double select_ms = load_ms, map_ms = load_ms, learn_ms = load_ms, match_ms = load_ms;
+};
+
+/// The experiments of chapter 5, one method each.
+class SelectBench {
+ public:
+  explicit SelectBench(SelectBenchOptions options) : options_(std::move(options)) {}
+
+  Expected<void> run() {
+    for (const auto& [name, section] : kSections) {
+      if (!options_.only.empty() && std::ranges::find(options_.only, name) == options_.only.end()) continue;
+      if (call_.interrupted()) return fail("stopped on request");
+      section_ = name;
+      if (auto done = (this->*section)(); !done) return done;
+    }
+    return {};
+  }
+
+  [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
+
+ private:
+  using Section = Expected<void> (SelectBench::*)();
+  static const std::array<std::pair<const char*, Section>, 3> kSections;
+
+  /// What is found of what was planted.
+  Expected<void> quality() {
+    title("Planted copies: of the first k, k being how many there are; goals 0.95, 0.95, 0.95 (noise: 0.90), 0.01");
+    const auto reliefs = [](const PlantOptions& options) { return planted_reliefs(options, 6); };
+    const auto components = [](const PlantOptions& options) { return planted_components(options, 5); };
+    const auto patches = [&](const PlantedScene& scene) {
+      return sdk::expand_patch(sdk::Surface(scene.mesh), scene.reference, {}, call_.task());
+    };
+    const auto whole = [&](const PlantedScene& scene) -> sdk::Expected<sdk::Expansion> {
+      const sdk::Adjacency adjacency(scene.mesh);
+      const auto index = sdk::ComponentIndex::build(scene.mesh, adjacency, call_.task());
+      if (!index) return tl::unexpected(index.error());
+      return index->expand(scene.reference.front());
+    };
+    const auto row = [&](const std::string& name, PlantOptions options, const auto& plant, const auto& expand) {
+      PlantedQuality mean;
+      for (int seed = 1; seed <= options_.seeds; ++seed) {
+        options.seed = static_cast<std::uint32_t>(seed);
+        const PlantedScene scene = plant(options);
+        const auto expansion = ours(expand(scene));
+        if (!expansion) return Expected<void>(tl::unexpected(expansion.error()));
+        const PlantedQuality one = quality_of(scene, *expansion);
+        mean.precision += one.precision / options_.seeds;
+        mean.recall += one.recall / options_.seeds;
+        mean.overlap += one.overlap / options_.seeds;
+        mean.flipped += one.flipped / options_.seeds;
+      }
+      if (options_.json)
+        return write_json_line(stdout, {{"section", section_},
+                                        {"name", name},
+                                        {"precision", number(mean.precision)},
+                                        {"recall", number(mean.recall)},
+                                        {"overlap", number(mean.overlap)},
+                                        {"flipped", number(mean.flipped)}});
+      fmt::print("{:<36} precision {:.3f}  recall {:.3f}  overlap {:.3f}  flipped {:.3f}\n", name, mean.precision,
+                 mean.recall, mean.overlap, mean.flipped);
+      std::fflush(stdout);
+      return Expected<void>();
+    };
+    for (const double noise : {0.0, 0.2})
+      for (const bool mirrored : {false, true}) {
+        const std::string how =
+            fmt::format("{}{}", mirrored ? ", half mirrored" : "", noise > 0 ? ", 0.2 % noise" : "");
+        const PlantOptions options{.mirrored = mirrored, .noise_percent = noise};
+        if (auto said = row("patches" + how, options, reliefs, patches); !said) return said;
+        PlantOptions sizes = options;
+        sizes.largest_scale = 2;
+        if (auto said = row("components, sizes 1/2 to 2" + how, sizes, components, whole); !said) return said;
+      }
+    return {};
+  }
+
+  /// Table 5.2, beside what is printed there for the same size.
+  Expected<void> table() {
+    title("Table 5.2: patches. Milliseconds; SVMt: asking about the reference once; ICP - SVMp: a match");
+    for (const PublishedPatchRow& printed : kTable52) {
+      const std::filesystem::path path = std::filesystem::path(options_.models) / printed.file;
+      if (options_.models.empty() || !std::filesystem::exists(path)) continue;
+      const auto mesh = ours(sdk::read_mesh(path, {}, call_.task()));
+      if (!mesh) return tl::unexpected(mesh.error());
+      const auto times = measured(*mesh, printed.r);
+      if (!times) return tl::unexpected(times.error());
+      const std::string name = fmt::format("{} ({:.0f}k)", printed.model, printed.thousand_vertices);
+      const PatchTimes said_there{0, printed.select_ms, printed.map_ms, printed.training_ms, printed.match_ms};
+      if (auto said = say(name + ", printed", printed.r, said_there); !said) return said;
+      const std::string here =
+          fmt::format("{} ({:.0f}k)", path.filename().string(), static_cast<double>(mesh->positions.size()) / 1000);
+      if (auto said = say(here, printed.r, *times); !said) return said;
+    }
+    return {};
+  }
+
+  /// From ten thousand to a million triangles.
+  Expected<void> sizes() {
+    title("Patches on a ball with reliefs, r = 0.06, from 20 thousand to 1.3 million triangles; milliseconds");
+    for (int rounds = 5; rounds <= 8; ++rounds) {
+      const sdk::Mesh mesh = planted_reliefs({}, rounds).mesh;
+      const auto times = measured(mesh, 0.06);
+      if (!times) return tl::unexpected(times.error());
+      if (auto said = say(fmt::format("{} triangles", mesh.triangles.size()), 0.06, *times); !said) return said;
+    }
+    return {};
+  }
+
+  /// The fastest of some rounds, since others use the machine too.
+  Expected<PatchTimes> measured(const sdk::Mesh& mesh, double r) {
+    PatchTimes best;
+    const auto keep = [](double& least, double ms) { least = std::min(least, ms); };
+    for (int round = 0; round < options_.rounds; ++round) {
+      const auto start = std::chrono::steady_clock::now();
+      const sdk::Surface surface(mesh);
+      keep(best.load_ms, milliseconds_since(start));
+      const sdk::VertexId centre = farthest_vertex(mesh);
+      // A brush of a third of the patch's radius, so that its floods reach as far as the patch.
+      sdk::PatchBrush brush(surface, r * surface.diagonal / 3);
+      const auto drawn = std::chrono::steady_clock::now();
+      brush.draw_to(surface.tree.closest(mesh.position(centre)));
+      const auto brushed = brush.faces();
+      keep(best.select_ms, milliseconds_since(drawn));
+      sdk::PatchExpansionTimes times;
+      const auto region = region_about(mesh, centre, r * surface.diagonal);
+      const auto expansion = ours(sdk::expand_patch(surface, region, {}, call_.task(), &times));
+      if (!expansion) return tl::unexpected(expansion.error());
+      keep(best.map_ms, times.map_ms);
+      keep(best.learn_ms, times.learn_ms);
+      if (times.candidates > 0) keep(best.match_ms, times.matches_ms / static_cast<double>(times.candidates));
+    }
+    return best;
+  }
+
+  void title(const std::string& text) const {
+    if (!options_.json) fmt::print("\n{}\n", text);
+  }
+
+  Expected<void> say(const std::string& name, double r, const PatchTimes& times) const {
+    if (options_.json)
+      return write_json_line(stdout, {{"section", section_},
+                                      {"name", name},
+                                      {"r", number(r)},
+                                      {"load_ms", number(times.load_ms)},
+                                      {"select_ms", number(times.select_ms)},
+                                      {"map_ms", number(times.map_ms)},
+                                      {"learn_ms", number(times.learn_ms)},
+                                      {"match_ms", number(times.match_ms)}});
+    fmt::print("{:<36} r {:.2f}  load {:7.1f}  select {:6.1f}  map {:8.1f}  SVMt {:7.1f}  ICP - SVMp {:6.1f}\n", name,
+               r, times.load_ms, times.select_ms, times.map_ms, times.learn_ms, times.match_ms);
+    std::fflush(stdout);
+    return {};
+  }
+
+  SelectBenchOptions options_;
+  SdkCall call_;
+  std::string section_;
+};
+
+const std::array<std::pair<const char*, SelectBench::Section>, 3> SelectBench::kSections = {
+    {{"quality", &SelectBench::quality}, {"table", &SelectBench::table}, {"sizes", &SelectBench::sizes}}};
+
+}  // namespace
+
+void add_bench_select(CLI::App& bench, Run& run) {
+  auto options = std::make_shared<SelectBenchOptions>();
+  CLI::App* select = bench.add_subcommand("select", "Selecting regions and their likes: what is found, and how fast.");
+  select->add_option("--models", options->models, "folder of models for the table; without it the table is left out")
+      ->check(CLI::ExistingDirectory);
+  select->add_option("--only", options->only, "some of the experiments")
+      ->delimiter(',')
+      ->check(CLI::IsMember(SelectBench::sections()));
+  select->add_option("--seeds", options->seeds, "scenes of each kind that quality is the mean of")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  select->add_option("--rounds", options->rounds, "times that each step is timed; the fastest counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  select->add_flag("--json", options->json, "one JSON object a row");
+  select->footer(
+      "Quality is measured on meshes of our own, from fixed seeds. The table prints the thesis's row above ours, on a\n"
+      "model of about the same size.\n\n"
+      "Examples:\n"
+      "  armature bench select --only quality\n"
+      "  armature bench select --models meshes --only table");
+  select->callback([options, &run] { run = [options] { return SelectBench(*options).run(); }; });
+}
+
+}  // namespace armature::tools
