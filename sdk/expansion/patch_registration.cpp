@@ -28,7 +28,9 @@ constexpr double kAstray = 0.25;    // how far from its place a centre is looked
 constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
-constexpr double kStill = 1e-4;          // a step that ends the search, of the radius
+constexpr double kNear = 0.4;            // what a sample may lie on, of the radius
+constexpr double kHopeless = 0.01;       // a misfit that no closer look will mend
+constexpr double kStill = 5e-4;          // a step that ends the search, of the radius
 constexpr double kScaleRange = 1.3;      // how far the scale may leave what was looked for
 constexpr double kWorthMirroring = 0.8;  // a mirror image must leave so much less than the thing itself
 constexpr double kUndecided = 0.1;       // a closer look tells which of two is better that differ by less
@@ -229,7 +231,7 @@ Registration PatchReference::lay_onto(const Surface& target, VertexId at, double
     for (Registration* laid : {&best, &mirrored}) improve(target, *laid, scale, kMany, kFewRounds);
     if (mirrored.misfit + kAlike < kWorthMirroring * best.misfit) best = mirrored;
   }
-  improve(target, best, scale, kMany, kManyRounds);
+  if (best.misfit < kHopeless) improve(target, best, scale, kMany, kManyRounds);
   return best;
 }
 
@@ -248,12 +250,15 @@ void PatchReference::improve(const Surface& target, Registration& registration, 
   const auto find_pairs = [&] {
     pairs.clear();
     const Matrix4d& T = registration.target_from_reference;
+    FaceId near;
     for (std::size_t i = 0; i < around_.samples.size(); i += stride) {
       const SurfaceSample& sample = around_.samples[i];
       const Vector3d from = apply(T, sample.point);
-      const SurfacePoint to = target.tree.closest(from, {.within = radius, .hint = hints[i / stride]});
+      FaceId& hint = hints[i / stride];
+      if (hint.valid()) near = hint;
+      const SurfacePoint to = target.tree.closest(from, {.within = kNear * radius, .hint = near});
       if (!to.face.valid()) continue;
-      hints[i / stride] = to.face;
+      hint = near = to.face;
       Vector3d normal = Vector3d::Zero();
       for (std::size_t k = 0; k < 3; ++k)
         normal += to.barycentric[static_cast<Eigen::Index>(k)] *
