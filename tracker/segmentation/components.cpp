@@ -46,6 +46,7 @@ void ComponentFinder::find(const DepthGrid& grid, std::span<const std::uint8_t> 
   rank(grid, kind);
   measure(grid, kind, up);
   touch(grid);
+  look_below(grid);
 }
 
 ComponentFinder::Edge ComponentFinder::edge(const DepthGrid& grid, int x, int i) noexcept {
@@ -170,6 +171,21 @@ void ComponentFinder::touch(const DepthGrid& grid) noexcept {
         meet(i, i - step * w);
         break;
       }
+    }
+  });
+}
+
+void ComponentFinder::look_below(const DepthGrid& grid) noexcept {
+  const int w = grid.width;
+  for_each_marked(grid, labels_, [&](int, int y, std::size_t cell) {
+    const float z = grid.depth[cell];
+    for (int step = 1; step <= std::min(grid.height - 1 - y, kHoleCells + 1); ++step) {
+      const std::size_t below = cell + at(step * w);
+      if (grid.depth[below] <= 0) continue;
+      if (z - grid.depth[below] > kEdgeSteps * continuity_tolerance(z) && labels_[below] != labels_[cell]) {
+        found_[labels_[cell] - std::size_t{1}].hidden_below += grid.cell_width_rad * z;
+      }
+      return;
     }
   });
 }

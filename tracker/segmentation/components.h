@@ -23,6 +23,7 @@ struct Component {
   bool cut_above = false;                            ///< touches the image's upper edge
   bool cut_below = false;
   bool cut_aside = false;
+  float hidden_below = 0;  ///< metres of its lower side below which something nearer is seen
 
   [[nodiscard]] float height() const noexcept { return highest - lowest; }
   [[nodiscard]] float width() const noexcept { return right - left; }
@@ -62,6 +63,7 @@ class ComponentFinder {
   void rank(const DepthGrid& grid, std::span<const std::uint8_t> kind) noexcept;
   void measure(const DepthGrid& grid, std::span<const std::uint8_t> kind, const Eigen::Vector3f& up) noexcept;
   void touch(const DepthGrid& grid) noexcept;
+  void look_below(const DepthGrid& grid) noexcept;
 
   struct Size {
     int root;

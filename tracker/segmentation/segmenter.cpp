@@ -7,6 +7,7 @@
 #include "tracker/segmentation/background_model.h"
 #include "tracker/segmentation/components.h"
 #include "tracker/segmentation/depth_grid.h"
+#include "tracker/segmentation/human_shape.h"
 #include "tracker/segmentation/planes.h"
 #include "tracker/segmentation/user_mask.h"
 #include "tracker/segmentation/user_tracker.h"
@@ -21,8 +22,10 @@ struct Stages {
         planes(grid.size()),
         background(grid.size()),
         components(grid.size()),
+        on_walls(grid.size()),
         tracker(options, grid.size()),
         kind(static_cast<std::size_t>(grid.size())),
+        wall(static_cast<std::size_t>(grid.size())),
         cover(static_cast<std::size_t>(grid.size())),
         mask(static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height)) {}
 
@@ -30,8 +33,10 @@ struct Stages {
   PlaneFinder planes;
   BackgroundModel background;
   ComponentFinder components;
+  ComponentFinder on_walls;  ///< what lies on the plane of a wall
   UserTracker tracker;
   std::vector<std::uint8_t> kind;  ///< as ComponentFinder::find() takes it
+  std::vector<std::uint8_t> wall;  ///< not 0 = on the plane of a wall
   std::vector<BackgroundModel::Cover> cover;
   std::vector<std::uint8_t> mask;
   std::array<User, UserTracker::kMaxUsers> users{};
@@ -51,6 +56,7 @@ struct Segmenter::State {
     return stages->planes.floor() ? std::optional<FloorShadow>(*stages->planes.floor()) : std::nullopt;
   }
   void find_candidates() noexcept;
+  void look_before_walls() noexcept;
   void publish(DepthView frame) noexcept;
 };
 
@@ -106,10 +112,13 @@ void Segmenter::State::find_candidates() noexcept {
   const std::span<const float> inverse_depth = grid.inverse_depth;
   const std::span<std::uint8_t> kind = stages->kind;
   const BackgroundModel& background = stages->background;
+  const std::span<std::uint8_t> wall = stages->wall;
+  bool walls_seen = false;
   std::size_t i = 0;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x, ++i) {
       kind[i] = 0;
+      wall[i] = 0;
       const float z = depth[i];
       if (z <= 0 || z < options.near_m || z > options.far_m) continue;
       const float w = inverse_depth[i];
@@ -121,9 +130,26 @@ void Segmenter::State::find_candidates() noexcept {
       const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
         return std::abs(wall.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
       });
-      if (on_wall && cell == BackgroundModel::Cell::Unknown && !stages->tracker.still_user(i, z)) continue;
+      if (on_wall && cell == BackgroundModel::Cell::Unknown && !stages->tracker.still_user(i, z)) {
+        wall[i] = 1;
+        walls_seen = true;
+        continue;
+      }
       kind[i] = cell == BackgroundModel::Cell::Foreground ? 2 : 1;
     }
+  }
+  if (walls_seen) look_before_walls();
+}
+
+void Segmenter::State::look_before_walls() noexcept {
+  // A plane through two things may pass through somebody between them. She is a piece of it for herself, and not flat.
+  stages->on_walls.find(stages->grid, stages->wall, result.up);
+  const auto pieces = stages->on_walls.components();
+  for (std::size_t c = 0; c < pieces.size(); ++c) {
+    if (!human_sized(pieces[c], result.floor) || looks_flat(stages->grid, stages->on_walls, c)) continue;
+    for_each_marked(stages->grid, stages->on_walls.labels(), [&](int, int, std::size_t cell) {
+      if (stages->on_walls.labels()[cell] == c + 1) stages->kind[cell] = 1;
+    });
   }
 }
 

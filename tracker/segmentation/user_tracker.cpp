@@ -54,7 +54,7 @@ void UserTracker::update(const DepthGrid& grid, const ComponentFinder& component
   count_overlaps(grid, labels);
   keep(found);
   admit(grid, components, floor);
-  attach(components);
+  attach(grid, components, floor);
   share(grid, labels);
   move(grid);
   remember_birth(grid);
@@ -238,7 +238,8 @@ bool UserTracker::admit_pair(const DepthGrid& grid, const ComponentFinder& compo
   return true;
 }
 
-void UserTracker::attach(const ComponentFinder& components) noexcept {
+void UserTracker::attach(const DepthGrid& grid, const ComponentFinder& components,
+                         const std::optional<FloorPlane>& floor) noexcept {
   // Hands in front of the body, a shin below something, the far side of an arm: pieces beside somebody and within her
   // reach. Two rounds, for a hand is held by a forearm.
   const auto found = components.components();
@@ -253,7 +254,10 @@ void UserTracker::attach(const ComponentFinder& components) noexcept {
         if (contact.cells == 0 || contact.smallest_step >= best_step) continue;
         const Track& track = tracks_[before[body] - std::size_t{1}];
         if ((found[c].centre - track.centre).norm() > kReach) continue;
-        if (found[c].area > most_to_attach(found[c], found[body])) continue;
+        const bool half = level_distance(found[c].centre, found[body].centre) < kSameBody &&
+                          one_body_in_two(found[c], found[body], floor) &&
+                          !looks_like_furniture(grid, components, c, floor);
+        if (!half && found[c].area > most_to_attach(found[c], found[body])) continue;
         best_step = contact.smallest_step;
         owner_of_[c] = before[body];
       }

@@ -57,7 +57,8 @@ class UserTracker {
   void welcome(std::size_t place, const Eigen::Vector3f& centre) noexcept;
   [[nodiscard]] bool admit_pair(const DepthGrid& grid, const ComponentFinder& components, std::size_t c) noexcept;
   void remember_birth(const DepthGrid& grid) noexcept;
-  void attach(const ComponentFinder& components) noexcept;
+  void attach(const DepthGrid& grid, const ComponentFinder& components,
+              const std::optional<FloorPlane>& floor) noexcept;
   void share(const DepthGrid& grid, std::span<const std::uint8_t> labels) noexcept;
   void move(const DepthGrid& grid) noexcept;
   void dismiss_furniture() noexcept;

@@ -42,6 +42,60 @@ TEST(Segmenter, FindsAPersonInTheFirstFrameOfAFurnishedRoom) {
   EXPECT_EQ(result.users[0].id, 1);
 }
 
+/// How well the first frame shows person 1 as the only user: intersection over union, 0 with more or fewer users.
+float found_at_once(const Room& room) {
+  const auto picture = room.draw();
+  Segmenter segmenter({});
+  const Segmentation& result = segmenter.process(picture.frame.view());
+  if (result.users.size() != 1) return 0;
+  return intersection_over_union(result.user_of_pixel, result.users[0].id, picture.truth, 1);
+}
+
+TEST(Segmenter, FindsAPersonWhoseLegsACounterHides) {
+  for (const float height : {0.8F, 0.95F, 1.1F}) {
+    Room room(1.3F);
+    room.add_floor();
+    room.add_wall(4.0F);
+    room.add_box({-0.7F, -height, 1.9F}, {0.7F, 0, 2.2F});
+    room.add_person(0, 2.9F, 1);
+    EXPECT_GE(found_at_once(room), 0.93F) << height;
+  }
+}
+
+TEST(Segmenter, WhatHangsHighOnAWallIsNobody) {
+  Room room = furnished_room();
+  room.add_ellipsoid({0.9F, -1.6F, 3.9F}, {0.3F, 0.35F, 0.25F});
+  Segmenter segmenter({});
+  EXPECT_TRUE(segmenter.process(room.draw().frame.view()).users.empty());
+}
+
+TEST(Segmenter, AForearmBeforeTheBodyDoesNotCutHerInTwo) {
+  Room room(1.2F);
+  room.add_floor();
+  room.add_wall(4.0F);
+  room.add_person(0, 1.9F, 1);
+  room.add_ellipsoid({0, -0.98F, 1.6F}, {0.36F, 0.07F, 0.06F}, 1);
+  EXPECT_GE(found_at_once(room), 0.93F);
+}
+
+TEST(Segmenter, APersonOnThePlaneOfACupboardIsNotAPartOfIt) {
+  Room room(1.2F);
+  room.add_floor();
+  room.add_box({0.6F, -2.0F, 3.3F}, {1.9F, 0, 3.8F});
+  room.add_person(-0.3F, 3.36F, 1);
+  EXPECT_GE(found_at_once(room), 0.9F);
+}
+
+TEST(Segmenter, ACupboardFarAwayIsNobody) {
+  for (const float z : {3.3F, 3.7F, 4.1F}) {
+    Room room(1.2F);
+    room.add_floor();
+    room.add_box({0.9F, -1.6F, z}, {1.35F, 0, z + 0.4F});
+    Segmenter segmenter({});
+    EXPECT_TRUE(segmenter.process(room.draw().frame.view()).users.empty()) << z;
+  }
+}
+
 TEST(Segmenter, MeasuresTheFloorUnderATiltedSensor) {
   for (const float tilt_deg : {-20.0F, -8.0F, 0.0F, 12.0F, 25.0F}) {
     for (const float height : {0.5F, 1.0F, 2.0F}) {
