@@ -75,7 +75,9 @@ void visit_config(Config& c, Visitor& v) {
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     v.section("motions." + std::string(kMotionNames[m]), "");
     v.angle("range_deg", navigation.motions.range_rad[m], 1.0F, 120.0F, "the angle that counts as 1");
-    v.number("gain", navigation.motions.gain[m], 0.1F, 10.0F, "measured angles times this; depends on the model");
+    v.number("gain", navigation.motions.gain[m], 0.1F, 10.0F,
+             "shown angles times this, up to half of the default range; depends on the model");
+    v.number("far_gain", navigation.motions.far_gain[m], 0.1F, 10.0F, "and times this beyond");
     v.number("alpha", navigation.transfer[m].alpha, 0.0F, 0.9F, "dead zone, share of the range; noise may widen it");
     v.number("beta", navigation.transfer[m].beta, 0.2F, 5.0F, "slope; above 1 the motion starts gently");
   }

@@ -52,7 +52,8 @@ TEST_P(MotionAlone, ComesOutRightAndSteersNothingElse) {
       strayed += frame.tracked.walk != 0;
     }
   }
-  const auto [frames, median, p95, slope, delay] = tools::motion_accuracy(runs, motion);
+  const auto [frames, median, p95, slope, delay, gain, far_gain] =
+      tools::motion_accuracy(runs, motion, NavigationOptions{}.motions);
   std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames; slope %.2f\n",
               name.c_str(), median, p95, std::string(kMotionNames[index(partner(motion))]).c_str(),
               100.0 * strayed / engaged, engaged, slope);

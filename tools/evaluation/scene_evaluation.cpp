@@ -6,7 +6,9 @@
 #include <optional>
 #include <thread>
 
+#include "tools/elapsed.h"
 #include "tools/evaluation/paper_tracker.h"
+#include "tracker/joints/skeleton_filter.h"
 #include "tracker/pipeline.h"
 
 namespace armature::tools {
@@ -28,16 +30,6 @@ Skeleton truth_in_view(const Skeleton& truth, const Intrinsics& k) noexcept {
   }
   return out;
 }
-
-class Stopwatch {
- public:
-  [[nodiscard]] double us() const {
-    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// What a system says of a frame.
 struct Answer {
@@ -94,7 +86,7 @@ class Recorder {
 
 NavigationOptions unfiltered() {
   NavigationOptions options;
-  options.motions.gain.fill(1);
+  options.motions = of_true_joints(options.motions);
   options.motions.filter = {.min_cutoff_hz = 1e6F, .speed_coefficient = 0, .derivative_cutoff_hz = 1};
   return options;
 }
@@ -112,20 +104,48 @@ TrackerOptions pipeline_options(const SceneOptions& options) {
   return out;
 }
 
+/// Forest and joints given the true mask, with what the pipeline does after them.
+template <class Tracker>
+struct MaskedTracker {
+  Tracker tracker;
+  Navigator navigator;
+  std::optional<SkeletonFilter> filter;  ///< of the skeleton that is published
+  Skeleton published = {};
+
+  void reset(const Intrinsics& k) {
+    tracker.reset(k);
+    navigator.start_over();
+    if (filter) filter->reset();
+  }
+
+  Answer process(DepthView frame, std::span<const std::uint8_t> mask, const Eigen::Vector3f& up) {
+    const auto start = std::chrono::steady_clock::now();
+    published = tracker.track(frame, mask);
+    const double us = 1000 * milliseconds_since(start);
+    if (!tracked(published)) {
+      navigator.stop();
+      return {nullptr, nullptr, us};
+    }
+    const Navigation& navigation = navigator.process(published, up, frame.sensor.time);
+    if (filter) filter->filter(published, frame.sensor.time);
+    return {&published, navigator.rest().rest() ? &navigation : nullptr, us};
+  }
+};
+
 /// All systems, fresh for one scene.
 class Bench {
  public:
   Bench(const std::shared_ptr<const Forest>& forest, const std::shared_ptr<const Forest>& paper_forest,
         const SceneOptions& options)
       : pipeline_(forest, pipeline_options(options)),
-        tracker_(forest, options.stride),
-        paper_(paper_forest, options.stride) {}
+        ours_{{forest, options.stride}, {NavigationOptions{}, automatic_rest()}, SkeletonFilter{}},
+        paper_{{paper_forest, options.stride}, {unfiltered(), automatic_rest()}, std::nullopt} {}
 
   Expected<SceneRecord> play(const Scene& scene, SynthSource& source) {
     const Intrinsics k = source.info().intrinsics;
     const Eigen::Vector3f up = source.rest().frame.up;
     pipeline_.reset(k);
-    tracker_.reset(k);
+    ours_.reset(k);
     paper_.reset(k);
     SceneRecord record;
     std::array<Recorder, kSystemCount> recorders = {
@@ -139,9 +159,8 @@ class Bench {
       mask_.assign(truth.owner.size(), 0);
       for (std::size_t i = 0; i < mask_.size(); ++i) mask_[i] = truth.owner[i] == kUser ? 1 : 0;
 
-      const std::array<Answer, kSystemCount> answers = {whole(frame.view()),
-                                                        masked(tracker_, with_mask_, frame.view(), up),
-                                                        masked(paper_, of_paper_, frame.view(), up)};
+      const std::array<Answer, kSystemCount> answers = {whole(frame.view()), ours_.process(frame.view(), mask_, up),
+                                                        paper_.process(frame.view(), mask_, up)};
       if (frame.sensor.time < std::chrono::duration<double>(Scene::kRest_s)) continue;
       const Skeleton visible = truth_in_view(truth.skeleton, k);
       for (std::size_t s = 0; s < kSystemCount; ++s) recorders[s].add(truth, visible, answers[s]);
@@ -151,27 +170,14 @@ class Bench {
 
  private:
   Answer whole(DepthView frame) {
-    const Stopwatch watch;
+    const auto start = std::chrono::steady_clock::now();
     const TrackerOutput& out = pipeline_.process(frame);
     return {out.tracking ? &out.skeleton : nullptr, out.state == EngagementState::Engaged ? &out.navigation : nullptr,
-            watch.us()};
-  }
-
-  template <class Tracker>
-  Answer masked(Tracker& tracker, Navigator& navigator, DepthView frame, const Eigen::Vector3f& up) {
-    const Stopwatch watch;
-    const Skeleton& skeleton = tracker.track(frame, mask_);
-    const double us = watch.us();
-    if (!tracked(skeleton)) {
-      navigator.stop();
-      return {nullptr, nullptr, us};
-    }
-    const Navigation& navigation = navigator.process(skeleton, up, frame.sensor.time);
-    return {&skeleton, navigator.rest().rest() ? &navigation : nullptr, us};
+            1000 * milliseconds_since(start)};
   }
 
   void count_pixels(const FrameTruth& truth, int width, SceneRecord& record) const {
-    for (const ClassifiedPixel& pixel : tracker_.votes().pixels) {
+    for (const ClassifiedPixel& pixel : ours_.tracker.votes().pixels) {
       const std::uint8_t part = truth.part[pixel.v * static_cast<std::size_t>(width) + pixel.u];
       if (part == kNoPart) continue;
       ++record.pixels;
@@ -180,10 +186,8 @@ class Bench {
   }
 
   Pipeline pipeline_;
-  SkeletonTracker tracker_;
-  PaperTracker paper_;
-  Navigator with_mask_{NavigationOptions{}, automatic_rest()};
-  Navigator of_paper_{unfiltered(), automatic_rest()};
+  MaskedTracker<SkeletonTracker> ours_;
+  MaskedTracker<PaperTracker> paper_;
   std::vector<std::uint8_t> mask_;
 };
 

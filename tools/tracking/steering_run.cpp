@@ -18,6 +18,23 @@ double quantile(std::vector<double>& values, double share) {
   return *nth;
 }
 
+/// The share of a motion that the joints show where the person makes about `around_rad` of it.
+double shown_share(const std::vector<std::vector<SteeringFrame>>& runs, std::size_t motion, int delay,
+                   const ResponseCurve& in_force, double around_rad) {
+  constexpr double kAbout = 0.17;  // the scripts hold half of the range, and 1.15 of it
+  double made = 0, shown = 0;
+  for (const auto& run : runs) {
+    for (std::size_t i = static_cast<std::size_t>(delay); i < run.size(); ++i) {
+      const auto angle = static_cast<double>(run[i - static_cast<std::size_t>(delay)].true_angle_rad[motion]);
+      if (!run[i].engaged || !run[i].present || std::abs(std::abs(angle) - around_rad) > kAbout * around_rad) continue;
+      made += std::abs(angle);
+      shown += std::copysign(1.0, angle) *
+               static_cast<double>(in_force.shown_angle(run[i].tracked.motions[motion].angle_rad));
+    }
+  }
+  return made > 0 ? shown / made : 1;
+}
+
 }  // namespace
 
 Expected<std::vector<SteeringFrame>> run_steering(const std::string& uri, std::shared_ptr<const Forest> forest,
@@ -28,7 +45,7 @@ Expected<std::vector<SteeringFrame>> run_steering(const std::string& uri, std::s
   if (!source) return tl::unexpected(source.error());
   options.rest.mode = RestMode::Auto;
   NavigationOptions exact = options.navigation;
-  exact.motions.gain.fill(1);
+  exact.motions = of_true_joints(exact.motions);
   Navigator truth(exact, {.mode = RestMode::Fixed, .fixed = (*source)->rest()});
   Pipeline pipeline(std::move(forest), options);
 
@@ -54,7 +71,8 @@ Expected<std::vector<SteeringFrame>> run_steering(const std::string& uri, std::s
   }
 }
 
-MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion) {
+MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion,
+                               const MotionOptions& in_force) {
   const std::size_t m = index(motion);
   MotionAccuracy out;
   std::vector<double> errors;
@@ -86,6 +104,12 @@ MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& ru
     out.slope = xx > 0 ? xy / xx : 0;
     out.delay_frames = delay;
   }
+  const ResponseCurve curve = in_force.curve(m);
+  const double near = static_cast<double>(curve.knee_rad), full = 2 * near;
+  const double shown_near = near * shown_share(runs, m, out.delay_frames, curve, near);
+  const double shown_full = full * shown_share(runs, m, out.delay_frames, curve, full);
+  out.gain = near / shown_near;
+  out.far_gain = (full - near) / (shown_full - shown_near);
   return out;
 }
 

@@ -31,7 +31,10 @@ struct MotionAccuracy {
   double p95 = 0;
   double slope = 0;  ///< least squares through zero of tracked on true angles, at the delay that fits best
   int delay_frames = 0;
+  double gain = 1, far_gain = 1;  ///< MotionOptions with which half of the range and all of it would come out right
 };
-[[nodiscard]] MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion);
+/// `in_force`: with which the runs were made.
+[[nodiscard]] MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion,
+                                             const MotionOptions& in_force);
 
 }  // namespace armature::tools

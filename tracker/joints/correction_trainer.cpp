@@ -14,10 +14,21 @@ namespace {
 
 constexpr double kImageShare = 0.7;  // of the whole: looking at the images; the rest is learning
 
-/// What the votes say of an image, and where the joints are from there. Empty where nobody is found.
+/// What the votes say of an image and of its mirror image, and where the joints are from there. Empty where nobody is
+/// found.
 struct Example {
   std::vector<float> known, offset_m;
 };
+
+/// The same in a mirror.
+Skeleton mirrored(const Skeleton& skeleton) {
+  Skeleton out = skeleton;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    out.joints[j] = skeleton[mirrored(static_cast<JointId>(j))];
+    out.joints[j].position.x() *= -1;
+  }
+  return out;
+}
 
 /// Looks at images one by one. One a thread.
 class Observer {
@@ -33,18 +44,26 @@ class Observer {
     const DepthView frame{.depth_mm = image.depth_mm, .intrinsics = image.intrinsics, .sensor = {}, .host = {}};
     estimator_.estimate(classifier_.classify(frame, mask_, kUser), found_);
     if (found_[JointId::Torso].state == JointState::Lost) return {};
-    const CorrectionFrame seen_from(found_);
-    std::array<float, kCorrectionInputs> inputs{};
-    correction_inputs(found_, seen_from, inputs);
-    Example example{.known = {inputs.begin(), inputs.end()}, .offset_m = {}};
-    for (std::size_t j = 0; j < kJointCount; ++j) {
-      const Eigen::Vector3f offset = seen_from.turned(image.joints[j] - found_.joints[j].position);
-      example.offset_m.insert(example.offset_m.end(), offset.data(), offset.data() + 3);
-    }
+    Skeleton truth;
+    for (std::size_t j = 0; j < kJointCount; ++j) truth.joints[j].position = image.joints[j];
+    Example example;
+    append(found_, truth, example);
+    append(mirrored(found_), mirrored(truth), example);  // twice as many people for nothing
     return example;
   }
 
  private:
+  static void append(const Skeleton& found, const Skeleton& truth, Example& example) {
+    const CorrectionFrame seen_from(found);
+    std::array<float, kCorrectionInputs> inputs{};
+    correction_inputs(found, seen_from, inputs);
+    example.known.insert(example.known.end(), inputs.begin(), inputs.end());
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Eigen::Vector3f offset = seen_from.turned(truth.joints[j].position - found.joints[j].position);
+      example.offset_m.insert(example.offset_m.end(), offset.data(), offset.data() + 3);
+    }
+  }
+
   PartClassifier classifier_;
   JointEstimator estimator_;
   Skeleton found_;

@@ -27,8 +27,10 @@ class CorrectionFrame {
   float cosine_ = 1, sine_ = 0;
 };
 
-/// The numbers that a correction is made of: 30 joints in the frame, metres; their 30 confidences; how high the torso
-/// stands in view (the sine of its elevation); its distance over 3 m.
+/// The numbers that a correction is made of: 30 joints in the frame, metres, of which each pair of a left and a right
+/// one counts as its middle (in the place of the left one) and the vector from right to left (in that of the right
+/// one), which tells turns apart from steps; their 30 confidences; how high the torso stands in view (the sine of its
+/// elevation); its distance over 3 m.
 void correction_inputs(const Skeleton& skeleton, const CorrectionFrame& frame,
                        std::span<float, kCorrectionInputs> inputs) noexcept;
 
@@ -41,7 +43,8 @@ class JointCorrection {
  public:
   explicit JointCorrection(std::shared_ptr<const Forest> forest) : forest_(std::move(forest)) {}
 
-  /// Positions and confidences of `skeleton`; a lost joint stays lost, and all stay where the forest knows no correction.
+  /// Positions and confidences of `skeleton`; a lost joint stays lost, and all stay where the forest knows no
+  /// correction.
   void apply(Skeleton& skeleton) const noexcept;
 
  private:

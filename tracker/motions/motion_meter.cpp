@@ -26,7 +26,7 @@ const PerMotion<MotionReading>& MotionMeter::measure(const Skeleton& skeleton, c
     }
     const auto since_measured = held_[m] + dt;
     held_[m] = {};
-    reading.angle_rad = filters_[m].filter(options_.gain[m] * now.angle_rad[m],
+    reading.angle_rad = filters_[m].filter(options_.curve(m).true_angle(now.angle_rad[m]),
                                            std::chrono::duration<float>(since_measured).count(), options_.filter);
     reading.normalized = std::clamp(reading.angle_rad / options_.range_rad[m], -1.0F, 1.0F);
     reading.measured = true;

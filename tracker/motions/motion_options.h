@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "tracker/motions/motion.h"
+#include "tracker/motions/response_curve.h"
 
 namespace armature {
 
@@ -18,20 +19,36 @@ struct OneEuroOptions {
   float derivative_cutoff_hz = 3.0F;  ///< smooths the speed itself
 };
 
-/// How motions are measured. The source publishes no ranges: these are ours, chosen so that the full range is a
-/// comfortable motion (far below what the joint could do).
+/// The angle that counts as 1, in the order of MotionId. The source publishes none: these are ours, chosen so that the
+/// full range is a comfortable motion (far below what the joint could do).
+inline constexpr PerMotion<float> kDefaultRange_rad = {radians(35), radians(25), radians(30), radians(20),
+                                                       radians(25), radians(12), radians(30), radians(30)};
+
+/// By what the shipped model shows motions too small (ResponseCurve::near and far), as `armature bench steering`
+/// measures it on synthetic people.
+extern const PerMotion<float> kModelGain, kModelFarGain;
+
+/// How motions are measured.
 struct MotionOptions {
-  /// The angle that counts as 1, in the order of MotionId, radians.
-  PerMotion<float> range_rad = {radians(35), radians(25), radians(30), radians(20),
-                                radians(25), radians(12), radians(30), radians(30)};
-  /// What a measured angle is multiplied by. The votes of a forest are means over many poses, which makes motions look
-  /// smaller than they are, in proportion; `armature bench steering` measures by how much, on synthetic people.
-  /// These are of the shipped model, seeds 101 to 106; that of step is the one with the smallest 95th percentile, since
-  /// a lifted foot makes it anything but proportional.
-  PerMotion<float> gain = {1.24F, 1.63F, 1.40F, 1.72F, 1.04F, 1.72F, 1.26F, 0.85F};
+  PerMotion<float> range_rad = kDefaultRange_rad;
+  /// What the angles that joints show are multiplied by, up to half of the default range and beyond. They belong to
+  /// the model.
+  PerMotion<float> gain = kModelGain;
+  PerMotion<float> far_gain = kModelFarGain;
   OneEuroOptions filter;
-  float min_confidence = 0.15F;              ///< below it a motion is not measured but held
+  float min_confidence = 0.50F;              ///< below it a motion is not measured but held
   std::chrono::milliseconds hold_time{150};  ///< how long it is held; afterwards it counts as zero
+
+  [[nodiscard]] ResponseCurve curve(std::size_t motion) const noexcept {
+    return {.knee_rad = kDefaultRange_rad[motion] / 2, .near = gain[motion], .far = far_gain[motion]};
+  }
 };
+
+/// The same for joints that show motions as they are: true ones.
+[[nodiscard]] inline MotionOptions of_true_joints(MotionOptions options) noexcept {
+  options.gain.fill(1);
+  options.far_gain.fill(1);
+  return options;
+}
 
 }  // namespace armature

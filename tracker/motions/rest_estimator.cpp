@@ -16,9 +16,9 @@ constexpr std::array kSteering = {JointId::Head,         JointId::Neck,         
                                   JointId::RightHip,     JointId::LeftKnee,      JointId::RightKnee};
 
 /// Noise of a filtered joint that the sensor and the forest leave at a distance of 1 m; it grows with the square of
-/// the distance as disparity does. Synthetic people who stand at 1.8 to 3.2 m leave 0.3 to 2 mm; this is twice that,
-/// since real ones are not as still.
-constexpr float kJointNoiseAt1m = 0.0005F;
+/// the distance as disparity does. Synthetic people who stand at 1.7 to 3.5 m leave 0.1 to 0.2 mm at 1 m, as the hips'
+/// filtered angle has it; this is twice that, since real ones are not as still.
+constexpr float kJointNoiseAt1m = 0.0003F;
 /// What a motion's angle is measured over, metres, in the order of MotionId.
 constexpr PerMotion<float> kBaseline = {0.36F, 0.22F, 0.42F, 0.50F, 0.70F, 0.35F, 0.25F, 0.25F};
 
@@ -113,7 +113,7 @@ void RestEstimator::improve(const Vector3f& up) noexcept {
   const float near = averaged_ < kYoungFrames ? kNearYoungRest : kNearRest;
   const MotionAngles angles = motion_angles(recent(0).skeleton, *rest_);
   for (std::size_t m = 0; m < kMotionCount; ++m) {
-    if (std::abs(motions_.gain[m] * angles.angle_rad[m]) > near * motions_.range_rad[m]) return;
+    if (std::abs(motions_.curve(m).true_angle(angles.angle_rad[m])) > near * motions_.range_rad[m]) return;
   }
   averaged_ = std::min(averaged_ + 1, kAveragedFrames);
   const Skeleton mean = blended(rest_->skeleton, recent(0).skeleton, 1.0F / static_cast<float>(averaged_));
@@ -131,7 +131,7 @@ void RestEstimator::measure_noise(std::size_t count) noexcept {
         age + 1 < count ? std::chrono::duration<float>(recent(age).time - recent(age + 1).time).count() : 1.0F;
     for (std::size_t m = 0; m < kMotionCount; ++m) {
       const float angle =
-          filters[m].filter(motions_.gain[m] * angles.angle_rad[m], std::max(dt_s, 1e-3F), motions_.filter);
+          filters[m].filter(motions_.curve(m).true_angle(angles.angle_rad[m]), std::max(dt_s, 1e-3F), motions_.filter);
       sum[m] += angle;
       square[m] += angle * angle;
     }

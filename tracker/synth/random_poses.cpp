@@ -105,14 +105,16 @@ void random_stance(const BodyShape& shape, Random& random, Pose& pose) {
   pose.pelvis_turns.lean += 0.03 * random.normal();
 }
 
+/// Every motion, about half of them far. What is learned from poses is an estimate that leans towards the frequent
+/// ones: were a motion mostly absent here, small ones would come out too small, and large ones less so.
 void steer(const BodyShape& shape, Random& random, Pose& pose) {
-  const int motions = 1 + random.below(3);
-  for (int i = 0; i < motions; ++i) {
-    const auto motion = static_cast<MotionId>(random.below(kMotionCount));
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    const auto motion = static_cast<MotionId>(m);
+    if (motion == MotionId::RotateBust) continue;  // both rotations
     Performance performance;
-    performance.amount = random.uniform(-0.65, 0.65);
+    performance.amount = random.chance(0.4) ? random.uniform(-0.65, 0.65) : 0.12 * random.normal();
     if (motion == MotionId::TranslateHips) performance.amount *= 0.6;
-    if (motion == MotionId::Step) performance.amount *= 1.3;
+    if (motion == MotionId::Step) performance.amount *= random.chance(0.5) ? 1.3 : 0;
     performance.leading = random.chance(0.5) ? Side::Left : Side::Right;
     performance.lift = random.chance(0.3) ? random.uniform(0, 0.08) : 0;
     perform(motion, performance, shape, pose);
@@ -286,7 +288,7 @@ RandomPose random_pose(const Person& person, Random& random) {
     double until;
     Activity activity;
   };
-  constexpr std::array<Share, 8> kShares = {{{0.26, Activity::Stand},
+  constexpr std::array<Share, 8> kShares = {{{0.12, Activity::Stand},
                                              {0.52, Activity::Steer},
                                              {0.62, Activity::Walk},
                                              {0.70, Activity::Jog},

@@ -31,9 +31,9 @@ Expected<void> bench_steering(const SteeringOptions& options) {
   ProgressBar bar(
       {.title = "steering", .total = static_cast<double>(kMotionCount * options.seeds.size()), .unit = "runs"});
   if (!options.json) {
-    std::printf(
-        "%s\n",
-        fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>7}", "motion", "median", "p95", "slope", "gain", "delay").c_str());
+    std::printf("%s\n", fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>8}{:>10}", "motion", "median", "p95", "slope",
+                                    "delay", "gain", "far gain")
+                            .c_str());
   }
   for (std::size_t m = 0; m < kMotionCount && !interrupt.requested(); ++m) {
     const MotionId motion = static_cast<MotionId>(m);
@@ -47,21 +47,22 @@ Expected<void> bench_steering(const SteeringOptions& options) {
       bar.update(static_cast<double>(m * options.seeds.size() + runs.size()) /
                  static_cast<double>(kMotionCount * options.seeds.size()));
     }
-    const MotionAccuracy accuracy = motion_accuracy(runs, motion);
-    const double gain = static_cast<double>(config->tracker.navigation.motions.gain[m]) / accuracy.slope;
+    const MotionAccuracy accuracy = motion_accuracy(runs, motion, config->tracker.navigation.motions);
     if (options.json) {
       auto written = write_json_line(stdout, {{"motion", kMotionNames[m]},
                                               {"frames", accuracy.frames},
                                               {"error_median", number(accuracy.median)},
                                               {"error_p95", number(accuracy.p95)},
                                               {"slope", number(accuracy.slope)},
-                                              {"gain", number(gain)},
-                                              {"delay_frames", accuracy.delay_frames}});
+                                              {"delay_frames", accuracy.delay_frames},
+                                              {"gain", number(accuracy.gain)},
+                                              {"far_gain", number(accuracy.far_gain)}});
       if (!written) return written;
     } else {
-      std::printf("%s\n", fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8.2f}{:>7}", kMotionNames[m], accuracy.median,
-                                      accuracy.p95, accuracy.slope, gain, accuracy.delay_frames)
-                              .c_str());
+      std::printf("%s\n",
+                  fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8}{:>8.2f}{:>10.2f}", kMotionNames[m], accuracy.median,
+                              accuracy.p95, accuracy.slope, accuracy.delay_frames, accuracy.gain, accuracy.far_gain)
+                      .c_str());
     }
   }
   return {};
@@ -74,7 +75,8 @@ void add_bench_steering(CLI::App& bench, Run& run) {
   CLI::App* steering = bench.add_subcommand(
       "steering",
       "How right each motion comes out, on synthetic people: error of the normalised value, slope of the "
-      "measured angle over the true one, and the gain that would make that slope 1.");
+      "measured angle over the true one, and the gains with which half of the range and all of it would come out "
+      "right.");
   steering->add_option("--config", options->config_file, "the daemon's TOML file")->type_name("FILE");
   steering->add_option("--model", options->model, "a forest other than the installed one")->type_name("FILE");
   steering->add_option("--size", options->size, "of the images")->type_name("WxH")->capture_default_str();
