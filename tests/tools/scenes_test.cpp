@@ -126,6 +126,8 @@ TEST(Scenes, AWrongLineIsNamedWithItsColumn) {
     return said(std::string(good).replace(good.find(from), from.size(), to));
   };
   EXPECT_NE(with("wave", "sing").find(":2: activity 'sing'"), std::string::npos) << with("wave", "sing");
+  EXPECT_NE(with("wave", "sing").find("expected one of any_arms, "), std::string::npos) << with("wave", "sing");
+  EXPECT_NE(with(" 3 ", " 1.5 ").find("number '1.5': expected a whole number from 1 to"), std::string::npos);
   EXPECT_NE(with("2.0", "9").find("distance '9'"), std::string::npos);
   EXPECT_NE(with("0.3b", "0.9b").find("hidden '0.9b'"), std::string::npos);
   EXPECT_NE(with("mug", "piano").find("carries 'piano'"), std::string::npos);

@@ -50,6 +50,16 @@ class Columns {
     return value;
   }
 
+  std::uint64_t whole(std::string_view column, std::uint64_t least, std::uint64_t most) {
+    const std::string text = word(column);
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || value < least || value > most) {
+      complain(column, text, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+    }
+    return value;
+  }
+
   void complain(std::string_view column, const std::string& text, const std::string& expected) {
     if (wrong_.empty()) wrong_ = std::string(column) + " '" + text + "': expected " + expected;
   }
@@ -85,9 +95,11 @@ Scene read_scene(Columns& columns) {
   scene.activity = columns.word("activity");
   const auto& known = activity_names();
   if (std::find(known.begin(), known.end(), scene.activity) == known.end()) {
-    columns.complain("activity", scene.activity, "one that scene_script() knows");
+    std::string names;
+    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+    columns.complain("activity", scene.activity, "one of " + names);
   }
-  scene.number = static_cast<std::uint64_t>(columns.number("number", 1, 1e6));
+  scene.number = columns.whole("number", 1, 1'000'000);
   scene.posture = columns.choice<Posture>("posture", {{"stands", Posture::Standing},
                                                       {"together", Posture::LegsTogether},
                                                       {"chair", Posture::Chair},

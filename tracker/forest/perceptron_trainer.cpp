@@ -147,6 +147,10 @@ Expected<Perceptron> train_offsets(const OffsetExamples& examples, const Percept
       examples.offset_m.size() != static_cast<std::size_t>(count * examples.points * 3)) {
     return fail("training: the examples' inputs and offsets do not match");
   }
+  if (options.batch < 1 || options.epochs < 1) return fail("training: expected at least one epoch and a batch of one");
+  if (!std::ranges::all_of(options.hidden, [](int width) { return width >= 1 && width <= Perceptron::kMaxWidth; })) {
+    return fail("training: hidden layers are 1 to " + std::to_string(Perceptron::kMaxWidth) + " wide");
+  }
   fix_order_of_sums();
   const Eigen::Map<const Matrix> known(examples.known.data(), count, examples.inputs);
   const Eigen::Map<const Matrix> wanted_m(examples.offset_m.data(), count, 3 * examples.points);

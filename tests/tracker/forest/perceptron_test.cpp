@@ -104,6 +104,17 @@ TEST(PerceptronTrainer, NothingToLearnFromAndAStopAreErrors) {
                    .has_value());
 }
 
+TEST(PerceptronTrainer, OptionsThatCannotBeAreRefused) {
+  const auto refusal = [](PerceptronOptions options) {
+    const auto network = train_offsets(examples(), options, [](double) {}, {});
+    return network ? "accepted" : network.error().message;
+  };
+  EXPECT_EQ(refusal({.hidden = {16}, .batch = 0}), "training: expected at least one epoch and a batch of one");
+  EXPECT_EQ(refusal({.hidden = {16}, .epochs = 0}), "training: expected at least one epoch and a batch of one");
+  EXPECT_EQ(refusal({.hidden = {513}}), "training: hidden layers are 1 to 512 wide");
+  EXPECT_EQ(refusal({.hidden = {16, 0}}), "training: hidden layers are 1 to 512 wide");
+}
+
 TEST(ExpectedError, IsPositiveAndSmooth) {
   EXPECT_FLOAT_EQ(expected_error_m(0), 0.01F);
   EXPECT_GT(expected_error_m(-1), 0);
