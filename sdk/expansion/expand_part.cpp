@@ -13,9 +13,9 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "sdk/expansion/level_tree.h"
 #include "sdk/expansion/part_registration.h"
 #include "sdk/expansion/ring_cut.h"
+#include "sdk/selection/level_tree.h"
 
 namespace armature::sdk {
 namespace {
@@ -91,15 +91,18 @@ std::vector<std::uint32_t> likely_nodes(const LevelTree& tree, std::uint32_t ref
                                         const ExpandPartOptions& options) {
   const GirthProfile profile(tree, reference);
   const LevelNode& wanted = tree.nodes()[reference];
-  std::vector<std::pair<double, std::uint32_t>> costs;
-  for (std::uint32_t n = 0; n < tree.nodes().size(); ++n) {
+  std::vector<double> unlikeness(tree.nodes().size(), -1);
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(unlikeness.size()), [&](std::uint32_t n) {
     const double s = profile.scale(n);
-    if (!(s <= options.largest_scale) || !(s >= 1 / options.largest_scale)) continue;
+    if (!(s <= options.largest_scale) || !(s >= 1 / options.largest_scale)) return;
     // What does not reach out at all is a spot on the body.
     constexpr double kLeastLength = 0.25;
-    if (tree.nodes()[n].along < kLeastLength * s * wanted.along || tree.nested(n, reference)) continue;
-    costs.emplace_back(profile.unlikeness(n), n);
-  }
+    if (tree.nodes()[n].along < kLeastLength * s * wanted.along || tree.nested(n, reference)) return;
+    unlikeness[n] = profile.unlikeness(n);
+  });
+  std::vector<std::pair<double, std::uint32_t>> costs;
+  for (std::uint32_t n = 0; n < unlikeness.size(); ++n)
+    if (unlikeness[n] >= 0) costs.emplace_back(unlikeness[n], n);
   std::sort(costs.begin(), costs.end());
   std::vector<std::uint32_t> chosen;
   for (const auto& [cost, n] : costs) {
@@ -170,7 +173,7 @@ constexpr double kReach = 1;            // of the rings about a virtual stroke, 
 constexpr double kCarryReach = 0.25;    // how far from there a copy's cut may lie, in girths
 constexpr double kCopy = 0.02;          // how closely a copy fits, in roots of the area
 constexpr double kCopyAboutCut = 0.02;  // how closely another one does about the cut, in girths
-constexpr std::size_t kSamples = 160;   // points that are laid onto the reference
+constexpr std::size_t kSamples = 120;   // points that are laid onto the reference
 
 /// About `count` of the middles of faces, evenly in their order.
 std::vector<Eigen::Vector3d> middles(const Mesh& mesh, std::span<const FaceId> faces, std::size_t count) {
@@ -210,10 +213,7 @@ Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> 
   if (part.empty()) return fail("no part to compare with: it has no faces");
   const Surface& surface = model.surface();
   const Mesh& mesh = surface.mesh;
-  const Eigen::VectorXd& phi = model.conformal_factor();
-  const std::span<const double> field(phi.data(), static_cast<std::size_t>(phi.size()));
-  task.report("isolines", 0);
-  const LevelTree tree(surface, field, spread_levels(surface, field));
+  const LevelTree& tree = model.level_tree();
   if (task.stopped()) return cancelled();
   std::vector<FaceId> reference(part.begin(), part.end());
   const auto reference_node = node_of(model, tree, part);

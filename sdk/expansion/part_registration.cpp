@@ -23,44 +23,28 @@ Vector3d apply(const Matrix4d& transform, const Vector3d& point) {
   return transform.topLeftCorner<3, 3>() * point + transform.topRightCorner<3, 1>();
 }
 
-using Goal = std::span<const OrientedPoint>;
-
-const OrientedPoint& closest(Goal goal, const Vector3d& point) {
-  const Eigen::Vector3f p = point.cast<float>();
-  const OrientedPoint* best = goal.data();
-  float best_square = std::numeric_limits<float>::infinity();
-  for (const OrientedPoint& candidate : goal) {
-    const float square = (candidate.point - p).squaredNorm();
-    if (square < best_square) {
-      best_square = square;
-      best = &candidate;
-    }
-  }
-  return *best;
-}
-
-double mean_square(Goal goal, const Matrix4d& transform, std::span<const Vector3d> points) {
+double mean_square(const OrientedPoints& goal, const Matrix4d& transform, std::span<const Vector3d> points) {
   double sum = 0;
   for (const Vector3d& point : points) {
     const Vector3d p = apply(transform, point);
-    sum += (closest(goal, p).point.cast<double>() - p).squaredNorm();
+    sum += (goal.point(goal.closest(p)) - p).squaredNorm();
   }
   return sum / static_cast<double>(points.size());
 }
 
-double mean_square_to_planes(Goal goal, const Matrix4d& transform, std::span<const Vector3d> points) {
+double mean_square_to_planes(const OrientedPoints& goal, const Matrix4d& transform, std::span<const Vector3d> points) {
   double sum = 0;
   for (const Vector3d& point : points) {
     const Vector3d p = apply(transform, point);
-    const OrientedPoint& near = closest(goal, p);
-    const double d = (near.point.cast<double>() - p).dot(near.normal.cast<double>());
+    const std::size_t near = goal.closest(p);
+    const double d = (goal.point(near) - p).dot(goal.normal(near));
     sum += d * d;
   }
   return sum / static_cast<double>(points.size());
 }
 
 /// Iterated closest points, to the planes of the surface there (Chen and Medioni 1992), with scale.
-Matrix4d iterate(Goal goal, Matrix4d transform, std::span<const Vector3d> points) {
+Matrix4d iterate(const OrientedPoints& goal, Matrix4d transform, std::span<const Vector3d> points) {
   using Vector7d = Eigen::Matrix<double, 7, 1>;
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
@@ -74,14 +58,14 @@ Matrix4d iterate(Goal goal, Matrix4d transform, std::span<const Vector3d> points
     if (!(spread > 0)) break;
     for (const Vector3d& point : points) {
       const Vector3d p = apply(transform, point);
-      const OrientedPoint& near = closest(goal, p);
-      const Vector3d normal = near.normal.cast<double>();
+      const std::size_t near = goal.closest(p);
+      const Vector3d& normal = goal.normal(near);
       // Turn, growth and move, all in units of the spread.
       const Vector3d arm = (p - centre) / spread;
       Vector7d row;
       row << arm.cross(normal), arm.dot(normal), normal;
       A += row * row.transpose();
-      b += (near.point.cast<double>() - p).dot(normal) / spread * row;
+      b += (goal.point(near) - p).dot(normal) / spread * row;
     }
     // Where the surface leaves a motion open, such as along a tube, it stays as it is.
     constexpr double kRidge = 1e-3;
@@ -95,7 +79,7 @@ Matrix4d iterate(Goal goal, Matrix4d transform, std::span<const Vector3d> points
     motion.topLeftCorner<3, 3>() = turn;
     motion.topRightCorner<3, 1>() = centre + spread * x.tail<3>() - turn * centre;
     transform = motion * transform;
-    constexpr double kStill = 1e-4;
+    constexpr double kStill = 1e-3;
     if (x.cwiseAbs().maxCoeff() < kStill) break;
   }
   return transform;
@@ -139,6 +123,36 @@ PartFrame frame_of(const Surface& surface, std::span<const FaceId> faces) {
   return frame;
 }
 
+void OrientedPoints::add(const Vector3d& point, const Vector3d& normal) {
+  const std::size_t place = normals_.size();
+  if (place == x_.size())
+    for (auto* axis : {&x_, &y_, &z_}) axis->resize(place + kTogether, std::numeric_limits<float>::infinity());
+  x_[place] = static_cast<float>(point.x());
+  y_[place] = static_cast<float>(point.y());
+  z_[place] = static_cast<float>(point.z());
+  normals_.push_back(normal);
+}
+
+std::size_t OrientedPoints::closest(const Vector3d& point) const noexcept {
+  using Group = Eigen::Array<float, kTogether, 1>;
+  const Eigen::Vector3f p = point.cast<float>();
+  float best = std::numeric_limits<float>::infinity();
+  std::size_t place = 0;
+  for (std::size_t first = 0; first < x_.size(); first += kTogether) {
+    const Group squares = (Eigen::Map<const Group>(&x_[first]) - p.x()).square() +
+                          (Eigen::Map<const Group>(&y_[first]) - p.y()).square() +
+                          (Eigen::Map<const Group>(&z_[first]) - p.z()).square();
+    if (squares.minCoeff() >= best) continue;
+    for (std::size_t k = 0; k < kTogether; ++k) {
+      const float square = squares[static_cast<Eigen::Index>(k)];
+      if (square >= best) continue;
+      best = square;
+      place = first + k;
+    }
+  }
+  return place;
+}
+
 PartRegistration::PartRegistration(const Surface& surface, std::span<const FaceId> reference,
                                    std::span<const VertexId> around)
     : frame_(frame_of(surface, reference)) {
@@ -168,7 +182,7 @@ PartRegistration::PartRegistration(const Surface& surface, std::span<const FaceI
       point += weights[static_cast<Eigen::Index>(k)] * mesh.position(corners[k]);
       normal += weights[static_cast<Eigen::Index>(k)] * surface.vertex_normals[corners[k].index()];
     }
-    goal_.push_back({point.cast<float>(), normal.stableNormalized().cast<float>()});
+    goal_.add(point, normal.stableNormalized());
   }
 }
 
@@ -202,8 +216,10 @@ Registration PartRegistration::lay(const PartFrame& part, double scale, std::spa
     return refine({starts[mirrored ? 1 : 0].reference_from_part, mirrored}, points);
   };
   const Registration plain = finished(false);
-  const Registration mirrored = finished(true);
   // Most parts are like their mirror image: only one that fits clearly better counts.
+  constexpr double kHopeless = 2;
+  if (starts[1].error > kHopeless * starts[0].error) return plain;
+  const Registration mirrored = finished(true);
   constexpr double kClearlyBetter = 0.5;
   return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;
 }

@@ -23,10 +23,20 @@ struct PartFrame {
   double size = 0;  ///< root of the area
 };
 
-/// A point of a surface with its normal.
-struct OrientedPoint {
-  Eigen::Vector3f point;
-  Eigen::Vector3f normal;
+/// Points with normals, laid out for looking at many at once.
+class OrientedPoints {
+ public:
+  /// Adds one more.
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+  /// Where the closest one stands; there must be one.
+  [[nodiscard]] std::size_t closest(const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] Eigen::Vector3d point(std::size_t place) const noexcept { return {x_[place], y_[place], z_[place]}; }
+  [[nodiscard]] const Eigen::Vector3d& normal(std::size_t place) const noexcept { return normals_[place]; }
+
+ private:
+  static constexpr std::size_t kTogether = 16;
+  std::vector<float> x_, y_, z_;  // filled up with infinities to whole groups
+  std::vector<Eigen::Vector3d> normals_;
 };
 
 /// Of faces of a surface; the identity for none.
@@ -52,7 +62,7 @@ class PartRegistration {
 
  private:
   PartFrame frame_;
-  std::vector<OrientedPoint> goal_;
+  OrientedPoints goal_;
 };
 
 }  // namespace armature::sdk

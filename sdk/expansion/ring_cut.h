@@ -7,7 +7,7 @@
 #include <armature/sdk/mesh/ids.h>
 #include <armature/sdk/selection/part_model.h>
 
-#include "sdk/expansion/level_tree.h"
+#include "sdk/selection/level_tree.h"
 
 namespace armature::sdk {
 

@@ -67,6 +67,7 @@ double best_isovalue(const Surface& surface, std::span<const double> field, cons
   };
   const auto count = static_cast<std::size_t>(search.isovalues);
   const double step = (search.upper - search.lower) / (search.isovalues + 1);
+  const double per_step = 1 / step;
   // In blocks whose sums are added in order: the same on any number of threads.
   constexpr std::size_t kBlock = 1U << 14U;
   const std::size_t blocks = (search.faces.size() + kBlock - 1) / kBlock;
@@ -76,21 +77,25 @@ double best_isovalue(const Surface& surface, std::span<const double> field, cons
     for (std::size_t i = block * kBlock; i < end; ++i) {
       const FaceId face = search.faces[i];
       const Triangle& corners = surface.mesh.triangle(face);
-      std::array<std::size_t, 3> order = {0, 1, 2};
       const auto value = [&](std::size_t k) { return field[corners[k].index()]; };
-      std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return value(a) < value(b); });
-      const double from = std::ceil((value(order[0]) - search.lower) / step);
-      const double to = std::floor((value(order[2]) - search.lower) / step);
-      if (!(from <= to) || to < 1 || from > search.isovalues) continue;
+      const auto [low, high] = std::minmax({value(0), value(1), value(2)});
+      // The isolines in [low, high), as most faces have none.
+      const auto below = [&](double v) {
+        return static_cast<int>(std::clamp((v - search.lower) * per_step, 0.0, search.isovalues + 0.5));
+      };
+      const int from = below(low);
+      const int to = below(high);
+      if (from == to) continue;
       const Crossing crossing = crossing_of(surface, face, field, search.scale);
       if (!(crossing.gradient > 0)) continue;
+      std::array<std::size_t, 3> order = {0, 1, 2};
+      std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return value(p) < value(q); });
       Ramp ramp{};
       for (std::size_t k = 0; k < 3; ++k) {
         ramp.values[k] = value(order[k]);
         ramp.points[k] = &surface.mesh.position(corners[order[k]]);
       }
-      for (int line = std::max(1, static_cast<int>(from)); line <= std::min(search.isovalues, static_cast<int>(to));
-           ++line) {
+      for (int line = from + 1; line <= to; ++line) {
         const double length = ramp.length(search.lower + line * step);
         if (!std::isfinite(length)) continue;
         Sum& sum = sums[block][static_cast<std::size_t>(line) - 1];

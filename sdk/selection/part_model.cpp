@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <armature/sdk/selection/part_model.h>
 
 #include "sdk/selection/calm.h"
+#include "sdk/selection/level_tree.h"
 
 namespace armature::sdk {
 namespace {
@@ -114,6 +116,10 @@ Expected<PartModel> PartModel::build(const Surface& of, const Task& task) {
   for (std::size_t v = 0; v < component.size(); ++v)
     if (component[v] != Components::kNone) phi[static_cast<Index>(v)] -= moments[component[v]] / areas[component[v]];
   model.conformal_factor_ = std::move(phi);
+
+  task.report("isolines", 0);
+  const std::span<const double> field(model.conformal_factor_.data(), mesh.positions.size());
+  model.level_tree_ = std::make_shared<const LevelTree>(surface, field, spread_levels(surface, field));
   return model;
 }
 

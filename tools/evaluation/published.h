@@ -63,4 +63,22 @@ inline constexpr std::array<PublishedPatchRow, 8> kTable52 = {{
     {"Goro", 82, 7, 0.02, 5685, 1471, 56, "sd_dragon_vrip_res2.ply"},
 }};
 
+/// A row of Table 5.1, in milliseconds, and a model of about the same size that can be had.
+struct PublishedPartRow {
+  std::string_view model;
+  double thousand_vertices;
+  double precompute_ms, step_ms;
+  int strokes;
+  double expand_ms;
+  std::string_view file;
+};
+inline constexpr std::array<PublishedPartRow, 6> kTable51 = {{
+    {"Octopus", 12, 374, 16, 6, 97, "vh_octopus.off"},
+    {"SeaMonster", 57, 1793, 83, 35, 2385, "qmvc_SpikyBox.obj"},
+    {"Goro", 82, 2822, 95, 12, 1158, "sd_dragon_vrip_res2.ply"},
+    {"Dragon", 100, 3588, 162, 47, 6900, "sd_dragon_vrip_res2.ply"},
+    {"Chair", 14, 360, 102, 4, 56, "ml_office_chair.obj"},
+    {"Hand", 55, 2870, 102, 8, 1056, "cg_handman.off"},
+}};
+
 }  // namespace armature::tools

@@ -13,6 +13,8 @@
 
 namespace armature::sdk {
 
+class LevelTree;
+
 /// What selecting parts needs of a surface, found once when it is loaded. Refers to the surface, which must outlive it.
 /// Thread-safe to read.
 class PartModel {
@@ -33,6 +35,8 @@ class PartModel {
   /// stretch there for its Gaussian curvature to become constant. High on what protrudes, the same after bending and at
   /// any size, of mean 0 over the area of each component.
   [[nodiscard]] const Eigen::VectorXd& conformal_factor() const noexcept { return conformal_factor_; }
+  /// How the isolines of the conformal factor nest, for `expand_part()`.
+  [[nodiscard]] const LevelTree& level_tree() const noexcept { return *level_tree_; }
   /// How far from a stroke its constraints lie: 1 % of the diagonal or 1.5 mean edges, whichever is more.
   [[nodiscard]] double offset() const noexcept { return offset_; }
 
@@ -50,6 +54,7 @@ class PartModel {
   SparseFactor factor_;
   Components components_;
   Eigen::VectorXd conformal_factor_;
+  std::shared_ptr<const LevelTree> level_tree_;
   double offset_ = 0;
 };
 

@@ -1,4 +1,4 @@
-#include "sdk/expansion/level_tree.h"
+#include "sdk/selection/level_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -145,6 +145,7 @@ LevelTree::LevelTree(const Surface& surface, std::span<const double> field, std:
       open.push_back(n);
     }
   }
+  number();
 }
 
 double LevelTree::girth_at(std::uint32_t node, double way) const {
@@ -181,11 +182,27 @@ double LevelTree::girth_at(std::uint32_t node, double way) const {
   return nodes_[at].girth;
 }
 
+void LevelTree::number() {
+  const std::size_t count = nodes_.size();
+  held_.assign(count, 1);
+  for (std::size_t n = 0; n < count; ++n)  // children come before parents
+    if (nodes_[n].parent != LevelNode::kNone) held_[nodes_[n].parent] += held_[n];
+  entered_.assign(count, 0);
+  std::vector<std::uint32_t> next(count);  // by node, where the next child enters
+  std::uint32_t next_root = 0;
+  for (std::size_t n = count; n-- > 0;) {
+    std::uint32_t& place = nodes_[n].parent == LevelNode::kNone ? next_root : next[nodes_[n].parent];
+    entered_[n] = place;
+    place += held_[n];
+    next[n] = entered_[n] + 1;
+  }
+}
+
 bool LevelTree::nested(std::uint32_t a, std::uint32_t b) const {
-  std::uint32_t inner = std::min(a, b);  // children come before parents
-  const std::uint32_t outer = std::max(a, b);
-  while (inner < outer) inner = nodes_[inner].parent == LevelNode::kNone ? LevelNode::kNone : nodes_[inner].parent;
-  return inner == outer;
+  const auto holds = [&](std::uint32_t outer, std::uint32_t inner) {
+    return entered_[inner] >= entered_[outer] && entered_[inner] < entered_[outer] + held_[outer];
+  };
+  return holds(a, b) || holds(b, a);
 }
 
 std::vector<double> spread_levels(const Surface& surface, std::span<const double> field) {

@@ -39,7 +39,11 @@ class LevelTree {
   [[nodiscard]] bool nested(std::uint32_t a, std::uint32_t b) const;
 
  private:
+  void number();
+
   std::vector<LevelNode> nodes_;
+  std::vector<std::uint32_t> entered_;  // by node, in a walk that enters a region before what it holds
+  std::vector<std::uint32_t> held_;     // by node, how many regions it holds, itself included
 };
 
 /// Levels of a field that fall: evenly over its values and evenly over the surface, so that long thin parts and wide
