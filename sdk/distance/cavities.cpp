@@ -113,30 +113,29 @@ void Cavities::flood(const SphereMeshTree& tree) {
   }
 }
 
-Cavities::Found Cavities::look(const SphereMeshTree& tree, const Vector3d& x, NearestSphere& nearest) const noexcept {
+Cavities::Space Cavities::look(const SphereMeshTree& tree, const Vector3d& x, NearestSphere& nearest) const noexcept {
   const Vector3d place = (x - origin_) / spacing_;
   std::array<int, 3> cell{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = place[static_cast<Eigen::Index>(axis)];
-    if (!(along >= 0 && along < count_[axis])) return Found::Open;
+    if (!(along >= 0 && along < count_[axis])) return Space::Open;
     cell[axis] = static_cast<int>(along);
   }
   nearest = tree.nearest(x);
-  if (nearest.distance <= (x - middle(cell)).norm()) return Found::Nothing;
+  if (nearest.distance <= (x - middle(cell)).norm()) return Space::Narrow;
   const Cell state = cells_[index(cell)];
-  if (state == Cell::Solid) return Found::Nothing;
-  return state == Cell::Free ? Found::Closed : Found::Open;
+  if (state == Cell::Solid) return Space::Narrow;
+  return state == Cell::Free ? Space::Closed : Space::Open;
 }
 
-bool Cavities::holds(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
-  if (!any_) return false;
+Cavities::Space Cavities::space_at(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
   constexpr int kMostSteps = 40;
   constexpr double kMomentum = 0.7;  // between two walls their normals alternate; their sum leads out
   Vector3d x = point;
   Vector3d away = Vector3d::Zero();
   NearestSphere nearest;
   for (int step = 0; step < kMostSteps; ++step) {
-    if (const Found found = look(tree, x, nearest); found != Found::Nothing) return found == Found::Closed;
+    if (const Space found = look(tree, x, nearest); found != Space::Narrow) return found;
     if (nearest.distance < 0) break;
     away = kMomentum * away + nearest.normal;
     x += std::max(0.7 * nearest.distance, 1e-6 * spacing_) * away.normalized();
@@ -144,7 +143,7 @@ bool Cavities::holds(const SphereMeshTree& tree, const Vector3d& point) const no
   return explore(tree, point);
 }
 
-bool Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
+Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
   struct Ball {
     Vector3d centre;
     double radius;
@@ -153,14 +152,14 @@ bool Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const 
   constexpr std::size_t kMostBalls = 200;
   std::vector<Ball> balls;
   NearestSphere nearest;
-  if (const Found found = look(tree, point, nearest); found != Found::Nothing) return found == Found::Closed;
+  if (const Space found = look(tree, point, nearest); found != Space::Narrow) return found;
   balls.push_back({point, std::max(nearest.distance, 1e-3 * spacing_), false});
   while (balls.size() < kMostBalls) {
     // The widest first: it leads out the fastest.
     std::size_t widest = balls.size();
     for (std::size_t k = 0; k < balls.size(); ++k)
       if (!balls[k].spent && (widest == balls.size() || balls[k].radius > balls[widest].radius)) widest = k;
-    if (widest == balls.size()) return true;
+    if (widest == balls.size()) return Space::Narrow;
     balls[widest].spent = true;
     const Ball from = balls[widest];
     for (int k = 0; k < 27; ++k) {
@@ -171,12 +170,12 @@ bool Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const 
         return (x - b.centre).squaredNorm() < 0.49 * b.radius * b.radius;
       });
       if (known) continue;
-      if (const Found found = look(tree, x, nearest); found != Found::Nothing) return found == Found::Closed;
+      if (const Space found = look(tree, x, nearest); found != Space::Narrow) return found;
       if (nearest.distance > 0.05 * from.radius && nearest.distance > 1e-4 * spacing_)
         balls.push_back({x, nearest.distance, false});
     }
   }
-  return true;
+  return Space::Narrow;
 }
 
 bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {

@@ -19,21 +19,25 @@ class Cavities {
 
   /// Whether there is any closed void.
   [[nodiscard]] bool any() const noexcept { return any_; }
-  /// Whether free space at a point belongs to a closed void. From there it is walked away from the surface, and then
-  /// searched ball by ball, until a free ball holds the middle of a cell; where none does, the space is narrower than a
-  /// cell and counts as closed.
-  [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  enum class Space : std::uint8_t { Narrow, Open, Closed };
+  /// What free space at a point belongs to. From there it is walked away from the surface, and then searched ball by
+  /// ball, until a free ball holds the middle of a cell, which is open or closed; where none does, the space is
+  /// narrower than a cell.
+  [[nodiscard]] Space space_at(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  /// Whether it belongs to a closed void; what is narrower than a cell counts as closed.
+  [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept {
+    return any_ && space_at(tree, point) != Space::Open;
+  }
   /// The same for the free space in front of a point of the surface.
   [[nodiscard]] bool faces(const SphereMeshTree& tree, const Eigen::Vector3d& point,
                            const Eigen::Vector3d& normal) const noexcept;
 
  private:
   enum class Cell : std::uint8_t { Solid, Free, Outer };
-  enum class Found : std::uint8_t { Nothing, Open, Closed };
 
   /// What the free ball around a place tells, and what bounds it.
-  [[nodiscard]] Found look(const SphereMeshTree& tree, const Eigen::Vector3d& x, NearestSphere& nearest) const noexcept;
-  [[nodiscard]] bool explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] Space look(const SphereMeshTree& tree, const Eigen::Vector3d& x, NearestSphere& nearest) const noexcept;
+  [[nodiscard]] Space explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
 
   void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size);
   void flood(const SphereMeshTree& tree);

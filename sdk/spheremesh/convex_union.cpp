@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <Eigen/Cholesky>
+
 namespace armature::sdk {
 
 using Eigen::Vector3d;
@@ -38,6 +40,12 @@ ConvexUnion::ConvexUnion(const SphereMesh& shape) : shape_(shape), frame_(shape_
     piece_count_.push_back(1);
     boxes.push_back(shape_.box_of(frame_, edge));
   }
+  for (const auto& pieces : bodies_) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const SphereId id : shape_.spheres_of(pieces[0]))
+      if (id.valid()) least = std::min(least, shape_.sphere(id).radius);
+    least_radius_.push_back(least);
+  }
   bvh_ = Bvh(boxes, 4);
   order_ = bvh_.order();
 }
@@ -50,6 +58,16 @@ PieceDistance ConvexUnion::least(BodyId body, const Vector3d& point) const noexc
   for (std::size_t k = 1; k < piece_count_[body]; ++k)
     if (const PieceDistance d = distance_to(shape_, pieces[k], point); d.distance < nearest.distance) nearest = d;
   return nearest;
+}
+
+Vector3d ConvexUnion::to_crease(BodyId a, BodyId b, const Vector3d& point) const noexcept {
+  const Value at_a = value(a, point);
+  const Value at_b = value(b, point);
+  Eigen::Matrix<double, 2, 3> slopes;
+  slopes << at_a.gradient.transpose(), at_b.gradient.transpose();
+  Eigen::Matrix2d normal = slopes * slopes.transpose();
+  normal.diagonal().array() += 1e-9;  // planes that touch
+  return -slopes.transpose() * normal.ldlt().solve(Eigen::Vector2d(at_a.distance, at_b.distance));
 }
 
 void ConvexUnion::find(const Vector3d& point, double reach, std::vector<BodyId>& bodies) const {

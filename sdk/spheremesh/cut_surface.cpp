@@ -6,7 +6,9 @@
 
 #include <Eigen/Geometry>
 #include <armature/sdk/distance/mesh_tree.h>
+#include <armature/sdk/distance/outer_surface.h>
 
+#include "sdk/distance/cavities.h"
 #include "sdk/spheremesh/tetrahedra.h"
 
 namespace armature::sdk {
@@ -16,6 +18,7 @@ using Eigen::Vector3d;
 using CornerId = Tetrahedra::CornerId;
 
 constexpr std::size_t kMostTets = 8'000'000;
+constexpr int kCavityGrid = OuterSurfaceOptions{}.cavity_grid;  // so that distances agree about what is outside
 
 /// What the surface cuts out of a tetrahedron: a triangle or a quadrangle of vertices, outward.
 struct Cut {
@@ -26,7 +29,7 @@ struct Cut {
 class Cutter {
  public:
   Cutter(const ConvexUnion& bodies, const SphereMeshTree& tree, const CutOptions& options)
-      : bodies_(bodies), tree_(tree), options_(options), tets_(lattice()) {}
+      : bodies_(bodies), tree_(tree), cavities_(tree, kCavityGrid), options_(options), tets_(lattice()) {}
 
   Expected<Mesh> run(const Task& task) {
     std::size_t looked_at = 0;
@@ -65,8 +68,15 @@ class Cutter {
     return {(lower + upper) / 2 - size / 2, spacing, counts};
   }
 
+  [[nodiscard]] bool filled(const Vector3d& point) const {
+    return tree_.inside(point) || (cavities_.any() && cavities_.space_at(tree_, point) == Cavities::Space::Closed);
+  }
+
   bool inside(CornerId id) {
-    while (inside_.size() <= id) inside_.push_back(tree_.inside(tets_.corner(static_cast<CornerId>(inside_.size()))));
+    while (inside_.size() <= id) {
+      const Vector3d& corner = tets_.corner(static_cast<CornerId>(inside_.size()));
+      inside_.push_back(filled(corner));
+    }
     return inside_[id];
   }
 
@@ -80,7 +90,7 @@ class Cutter {
     }
     double reach = 0;
     for (const Vector3d& corner : p) reach = std::max(reach, (corner - middle).norm());
-    if (reach <= options_.fine) return false;
+    if (reach <= options_.finest) return false;
 
     near_.clear();
     bodies_.find(middle, reach, near_);
@@ -95,6 +105,8 @@ class Cutter {
       if (most < 0) return false;
       active_.push_back(body);
     }
+    const auto is_thin = [&](ConvexUnion::BodyId body) { return bodies_.least_radius(body) < options_.fine; };
+    if (reach <= options_.fine && std::none_of(active_.begin(), active_.end(), is_thin)) return false;
     if (active_.empty()) return false;
     const auto within = std::count_if(tet.corners.begin(), tet.corners.end(), [&](CornerId c) { return inside(c); });
     if (within == 0 || within == 4) return true;
@@ -158,6 +170,7 @@ class Cutter {
     double b = 1;
     double fa = distance(in);
     double fb = distance(out);
+    if (fa > 0) return membrane(in, out);
     double t = 0.5;
     int last = 0;
     for (int step = 0; step < 30 && b - a > 1e-9; ++step) {
@@ -177,6 +190,16 @@ class Cutter {
       }
     }
     return in + std::clamp(t, 1e-3, 1 - 1e-3) * (out - in);
+  }
+
+  /// Where a cavity ends that a way leads out of too narrow to count.
+  [[nodiscard]] Vector3d membrane(Vector3d in, Vector3d out) const {
+    constexpr int kHalvings = 8;
+    for (int k = 0; k < kHalvings; ++k) {
+      const Vector3d between = (in + out) / 2;
+      (filled(between) ? in : out) = between;
+    }
+    return (in + out) / 2;
   }
 
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -202,6 +225,7 @@ class Cutter {
 
   const ConvexUnion& bodies_;
   const SphereMeshTree& tree_;
+  const Cavities cavities_;
   const CutOptions& options_;
   Tetrahedra tets_;
   std::vector<bool> inside_;  // by corner

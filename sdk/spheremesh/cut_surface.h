@@ -13,6 +13,7 @@ namespace armature::sdk {
 struct CutOptions {
   double coarse = 0;  ///< tetrahedra to begin with
   double fine = 0;    ///< tetrahedra that are not halved any more
+  double finest = 0;  ///< nor those where a body ends thinner than `fine`
   double error = 0;   ///< how far triangles may leave the surface before their tetrahedron is halved
 };
 

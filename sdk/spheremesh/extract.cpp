@@ -10,9 +10,10 @@ namespace armature::sdk {
 namespace {
 
 // How the tolerance is shared out between the steps that each leave the surface.
-constexpr double kThickening = 0.4;  // of parts without thickness, on either side
+constexpr double kThickening = 0.2;  // of parts without thickness, on either side
+constexpr double kFine = 0.45;
 constexpr double kCutting = 0.4;
-constexpr double kSimplifying = 0.9;
+constexpr double kSimplifying = 0.85;
 
 }  // namespace
 
@@ -25,7 +26,7 @@ Expected<Mesh> extract_surface(const SphereMesh& shape, const ExtractOptions& op
   if (!(diagonal > 0)) return fail("a sphere-mesh of no size has no surface");
   const double tolerance = options.tolerance * diagonal;
 
-  // What is thinner than the tolerance would slip through any division of space.
+  // What is thinner than the finest tetrahedra would slip through them.
   SphereMesh solid = shape;
   double simplifying = kSimplifying * tolerance;
   for (Sphere& s : solid.spheres) {
@@ -37,11 +38,13 @@ Expected<Mesh> extract_surface(const SphereMesh& shape, const ExtractOptions& op
   task.report("dividing space", 0);
   const SphereMeshTree tree(solid);
   const ConvexUnion bodies(solid);
-  const CutOptions cut{
-      .coarse = diagonal / 12, .fine = 0.6 * tolerance, .error = std::min(kCutting * tolerance, simplifying / 2)};
+  const CutOptions cut{.coarse = diagonal / 12,
+                       .fine = kFine * tolerance,
+                       .finest = 1.5 * kThickening * tolerance,
+                       .error = std::min(kCutting * tolerance, simplifying / 2)};
   auto mesh = cut_surface(bodies, tree, cut, task);
   if (!mesh || mesh->triangles.empty()) return mesh;
-  return simplify_within(std::move(*mesh), tree, simplifying, task);
+  return simplify_within(*mesh, tree, bodies, simplifying, task);
 }
 
 }  // namespace armature::sdk

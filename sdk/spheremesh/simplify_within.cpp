@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
+
+#include "sdk/spheremesh/cracks.h"
+#include "sdk/spheremesh/crossings.h"
+#include "sdk/spheremesh/surface_band.h"
 
 namespace armature::sdk {
 namespace {
@@ -71,14 +77,16 @@ constexpr Index kNone = std::numeric_limits<Index>::max();
 
 class Simplifier {
  public:
-  Simplifier(Mesh mesh, const SphereMeshTree& surface, double tolerance)
-      : surface_(surface), tolerance_(tolerance), positions_(std::move(mesh.positions)) {
+  Simplifier(const Mesh& mesh, const SphereMeshTree& surface, const ConvexUnion& bodies, double tolerance)
+      : surface_(surface),
+        band_(bodies, tolerance),
+        cracks_(bodies, tolerance),
+        tolerance_(tolerance),
+        positions_(mesh.positions),
+        originals_(mesh.positions),
+        faces_(faces_of(mesh)),
+        crossings_(faces_, positions_) {
     const std::size_t vertices = positions_.size();
-    originals_ = positions_;
-    faces_.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles)
-      faces_.push_back(
-          {static_cast<Index>(t[0].index()), static_cast<Index>(t[1].index()), static_cast<Index>(t[2].index())});
     around_.resize(vertices);
     held_.resize(faces_.size());
     quadrics_.resize(vertices);
@@ -95,6 +103,7 @@ class Simplifier {
   }
 
   Expected<Mesh> run(const Task& task) {
+    open_cracks();
     // What failed once may do after its surroundings have changed: so a few rounds.
     for (int round = 0; round < 6; ++round) {
       const std::size_t before = live_faces_;
@@ -119,7 +128,17 @@ class Simplifier {
   }
 
  private:
-  using Face = std::array<Index, 3>;
+  using Face = Crossings::Face;
+  static constexpr double kSteep = -0.2;  // cosines between the normals of a cleft's walls
+  static constexpr double kFlat = 0.9;
+  static std::vector<Face> faces_of(const Mesh& mesh) {
+    std::vector<Face> faces;
+    faces.reserve(mesh.triangles.size());
+    const auto index = [](VertexId v) { return static_cast<Index>(v.index()); };
+    for (const auto& [a, b, c] : mesh.triangles) faces.push_back({index(a), index(b), index(c)});
+    return faces;
+  }
+
   struct Candidate {
     double cost;
     Index a, b;
@@ -151,6 +170,46 @@ class Simplifier {
     return sum.least_near((positions_[a] + positions_[b]) / 2);
   }
 
+  /// Sinks what spans a crack to its bottom, pair by pair of opposite vertices; holds the bottoms of all clefts.
+  void open_cracks() {
+    struct Pair {
+      double cosine, length;
+      Index a, b;
+    };
+    std::vector<Pair> pairs;
+    for (Index v = 0; v < positions_.size(); ++v)
+      for (const Index w : neighbours(v))
+        if (v < w)
+          if (const double cosine = cracks_.cosine(positions_[v], positions_[w]); cosine < kFlat)
+            pairs.push_back({cosine, (positions_[v] - positions_[w]).norm(), v, w});
+    std::sort(pairs.begin(), pairs.end(),
+              [](const Pair& p, const Pair& q) { return std::tie(p.length, p.a, p.b) < std::tie(q.length, q.a, q.b); });
+    std::vector<bool> sunk(positions_.size(), false);
+    for (const auto& [cosine, length, a, b] : pairs) {
+      if (sunk[a] || sunk[b]) continue;
+      const std::optional<Vector3d> bottom = cracks_.bottom(positions_[a], positions_[b]);
+      if (!bottom) continue;
+      find_faces_at(a, b);
+      const auto original = static_cast<Index>(originals_.size());
+      if (cosine < kSteep && keeps_manifold(a, b) && stays_close(a, b, *bottom) &&
+          !runs_through_others(a, b, *bottom)) {
+        PlaneQuadric sum = quadrics_[a];
+        sum.add(quadrics_[b]);
+        sunk[a] = sunk[b] = true;
+        held_[changed_.front()].push_back(original);
+        originals_.push_back(*bottom);
+        apply(a, b, *bottom, sum);
+      } else {
+        const Face& face = faces_[gone_.front()];
+        if (squared_distance(*bottom, positions_[face[0]], positions_[face[1]], positions_[face[2]]) >
+            tolerance_ * tolerance_)
+          continue;
+        held_[gone_.front()].push_back(original);
+        originals_.push_back(*bottom);
+      }
+    }
+  }
+
   void push(Index a, Index b) {
     PlaneQuadric sum;
     const Vector3d x = place(a, b, sum);
@@ -166,7 +225,17 @@ class Simplifier {
     PlaneQuadric sum;
     const Vector3d best = place(a, b, sum);
     if (!keeps_manifold(a, b)) return;
-    // The faces that stay, with the new vertex in the place of a or b.
+    find_faces_at(a, b);
+    for (const Vector3d& x : {best, positions_[a], positions_[b]})
+      if (fits(a, b, x)) {
+        apply(a, b, x, sum);
+        for (const Index w : neighbours(a)) push(a, w);
+        return;
+      }
+  }
+
+  /// The faces that a collapse changes, with the new vertex in the place of a or b, and those that it takes away.
+  void find_faces_at(Index a, Index b) {
     changed_.clear();
     gone_.clear();
     for (const Index v : {a, b})
@@ -177,11 +246,6 @@ class Simplifier {
           changed_.push_back(f);
         else if (v == a)
           gone_.push_back(f);
-      }
-    for (const Vector3d& x : {best, positions_[a], positions_[b]})
-      if (fits(a, b, x)) {
-        apply(a, b, x, sum);
-        return;
       }
   }
 
@@ -202,8 +266,7 @@ class Simplifier {
   }
 
   bool fits(Index a, Index b, const Vector3d& x) {
-    if (off_surface(x)) return false;
-    triangles_.clear();
+    if (std::abs(surface_.signed_distance(x)) > tolerance_) return false;
     for (const Index f : changed_) {
       const auto p = moved(faces_[f], a, b, x);
       const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]);
@@ -211,12 +274,19 @@ class Simplifier {
           std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
       const double size = n.norm();
       if (!(size > 1e-3 * longest2) && !(size > 0 && size >= doubled_area_vector(faces_[f]).norm())) return false;
-      triangles_.push_back(p);
       // No fold: as the face was turned before, unless that was a splinter.
       const Vector3d old = doubled_area_vector(faces_[f]);
       if (n.dot(old) < 0.1 * size * old.norm() && old.norm() > 1e-2 * longest2) return false;
+      const NearestSphere nearest = surface_.nearest((p[0] + p[1] + p[2]) / 3);
+      if (n.dot(nearest.normal) < 0.1 * size) return false;
     }
-    // The surface to the mesh, at what the mesh began with.
+    return stays_close(a, b, x) && !runs_through_others(a, b, x);
+  }
+
+  /// Whether mesh and surface stay within the tolerance of each other.
+  bool stays_close(Index a, Index b, const Vector3d& x) {
+    triangles_.clear();
+    for (const Index f : changed_) triangles_.push_back(moved(faces_[f], a, b, x));
     const double limit2 = tolerance_ * tolerance_;
     for (const auto* faces : {&changed_, &gone_})
       for (const Index f : *faces)
@@ -228,24 +298,20 @@ class Simplifier {
           }
           if (least2 > limit2) return false;
         }
-    // The mesh to the surface: within the new triangles, and along the edge that each shares with the next.
-    for (const auto& t : triangles_) {
-      const Vector3d middle = (t[0] + t[1] + t[2]) / 3;
-      const NearestSphere nearest = surface_.nearest(middle);
-      if (std::abs(nearest.distance) > tolerance_) return false;
-      const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
-      if (n.dot(nearest.normal) < 0.1 * n.norm()) return false;
-      const std::size_t own = t[0] == x ? 0 : t[1] == x ? 1 : 2;
-      const Vector3d& next = t[(own + 1) % 3];
-      for (const double along : {0.5, 0.25, 0.75})
-        if (off_surface((1 - along) * x + along * next)) return false;
-      for (const Vector3d& corner : t)
-        if (off_surface((middle + corner) / 2)) return false;
-    }
-    return true;
+    return std::all_of(triangles_.begin(), triangles_.end(), [&](const auto& t) { return band_.holds(t); });
   }
 
-  [[nodiscard]] bool off_surface(const Vector3d& x) const { return std::abs(surface_.signed_distance(x)) > tolerance_; }
+  bool runs_through_others(Index a, Index b, const Vector3d& x) {
+    besides_ = changed_;
+    besides_.insert(besides_.end(), gone_.begin(), gone_.end());
+    std::sort(besides_.begin(), besides_.end());
+    return std::any_of(changed_.begin(), changed_.end(), [&](Index f) {
+      Face face = faces_[f];
+      while (face[0] != a && face[0] != b) std::rotate(face.begin(), face.begin() + 1, face.end());
+      face[0] = a;
+      return crossings_.any(face, x, faces_, positions_, besides_);
+    });
+  }
 
   void apply(Index a, Index b, const Vector3d& x, const PlaneQuadric& sum) {
     std::vector<Index> homeless;
@@ -254,6 +320,8 @@ class Simplifier {
         homeless.insert(homeless.end(), held_[f].begin(), held_[f].end());
         held_[f].clear();
       }
+    for (const auto* faces : {&changed_, &gone_})
+      for (const Index f : *faces) crossings_.erase(f, faces_[f], positions_);
     positions_[a] = x;
     quadrics_[a] = sum;
     for (const Index f : gone_)
@@ -264,6 +332,7 @@ class Simplifier {
     for (const Index f : changed_)
       for (Index& v : faces_[f])
         if (v == b) v = a;
+    for (const Index f : changed_) crossings_.insert(f, faces_[f], positions_);
     around_[a] = changed_;
     around_[b].clear();
     for (const Index original : homeless) {
@@ -280,7 +349,6 @@ class Simplifier {
     }
     ++stamps_[a];
     ++stamps_[b];
-    for (const Index w : neighbours(a)) push(a, w);
   }
 
   Mesh compact() const {
@@ -303,24 +371,28 @@ class Simplifier {
   }
 
   const SphereMeshTree& surface_;
+  SurfaceBand band_;
+  Cracks cracks_;
   double tolerance_;
   std::vector<Vector3d> positions_;
   std::vector<Vector3d> originals_;
   std::vector<Face> faces_;
+  Crossings crossings_;
   std::vector<std::vector<Index>> around_;  // faces at each vertex
   std::vector<std::vector<Index>> held_;    // original vertices that each face answers for
   std::vector<PlaneQuadric> quadrics_;
   std::vector<Index> stamps_;
   std::priority_queue<Candidate> queue_;
   std::size_t live_faces_ = 0;
-  std::vector<Index> changed_, gone_;
+  std::vector<Index> changed_, gone_, besides_;
   std::vector<std::array<Vector3d, 3>> triangles_;
 };
 
 }  // namespace
 
-Expected<Mesh> simplify_within(Mesh mesh, const SphereMeshTree& surface, double tolerance, const Task& task) {
-  return Simplifier(std::move(mesh), surface, tolerance).run(task);
+Expected<Mesh> simplify_within(const Mesh& mesh, const SphereMeshTree& surface, const ConvexUnion& bodies,
+                               double tolerance, const Task& task) {
+  return Simplifier(mesh, surface, bodies, tolerance).run(task);
 }
 
 }  // namespace armature::sdk

@@ -19,10 +19,15 @@ struct ExtractOptions {
 /// section 4.9).
 ///
 /// Space is divided into tetrahedra, halved where the surface passes until what they cut out is within the tolerance;
-/// conforming tetrahedra cut out a closed manifold whatever the signs at their corners. That mesh is then simplified by
-/// quadrics of the exact tangent planes, which puts vertices onto creases and corners; each step is taken only if both
-/// sides stay within the tolerance. Parts thinner than the tolerance are thickened to it. Refused: a sphere-mesh
-/// without spheres or of no size, and a tolerance that would take more than a few million tetrahedra.
+/// conforming tetrahedra cut out a closed manifold that nowhere runs through itself, whatever the signs at their
+/// corners. What spans a cleft between two bodies is sunk to their crease. The mesh is then simplified by quadrics of
+/// the exact tangent planes, which puts vertices onto creases and corners; each step is taken only if all of the new
+/// triangles stay within the tolerance of the surface, points of the surface that lie close together within it of the
+/// mesh, and no triangle runs through another. So all of the mesh is within the tolerance; of the surface, all but the
+/// walls of clefts and gaps that are narrower than the tolerance. Parts thinner than 0.4 tolerances are thickened to
+/// that, and voids whose way out is narrower than a cell of OuterSurface's grid count as closed, as they do there.
+/// Refused: a sphere-mesh without spheres or of no size, and a tolerance that would take more than a few million
+/// tetrahedra.
 [[nodiscard]] Expected<Mesh> extract_surface(const SphereMesh& shape, const ExtractOptions& options = {},
                                              const Task& task = {});
 
