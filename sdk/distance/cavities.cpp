@@ -36,7 +36,6 @@ Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
   flood(tree);
   free_around_ = {};
   any_ = std::find(cells_.begin(), cells_.end(), Cell::Free) != cells_.end();
-  if (!any_) cells_.clear();
 }
 
 Vector3d Cavities::middle(const std::array<int, 3>& cell) const noexcept {
@@ -179,7 +178,6 @@ Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& po
 }
 
 bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {
-  if (!any_) return false;
   // As far off as nothing else is much nearer; beside another wall, between the two.
   double step = spacing_;
   for (int k = 0; k < 12; ++k, step /= 2) {

@@ -10,14 +10,13 @@ namespace armature::sdk {
 
 /// Which of the space that a sphere-mesh leaves free is shut off from infinity. Decided on a grid: its cells with
 /// 0.4 cells free around their middle are flooded from outside, face to face, wherever the way between the middles is
-/// free. A void may be missed where all are narrower than a cell, and one whose way out is narrower than a cell counts
-/// as closed.
+/// free. A void whose way out is narrower than a cell counts as closed.
 class Cavities {
  public:
   /// `resolution` cells along the longest side of the bounding box.
   Cavities(const SphereMeshTree& tree, int resolution);
 
-  /// Whether there is any closed void.
+  /// Whether there is any closed void with a free cell.
   [[nodiscard]] bool any() const noexcept { return any_; }
   enum class Space : std::uint8_t { Narrow, Open, Closed };
   /// What free space at a point belongs to. From there it is walked away from the surface, and then searched ball by
@@ -26,7 +25,7 @@ class Cavities {
   [[nodiscard]] Space space_at(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
   /// Whether it belongs to a closed void; what is narrower than a cell counts as closed.
   [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept {
-    return any_ && space_at(tree, point) != Space::Open;
+    return space_at(tree, point) != Space::Open;
   }
   /// The same for the free space in front of a point of the surface.
   [[nodiscard]] bool faces(const SphereMeshTree& tree, const Eigen::Vector3d& point,

@@ -121,13 +121,11 @@ struct OuterSurface::State {
       }
       (a_inside ? a : b) = seen;
     }
-    if (cavities.any()) {
-      constexpr int kMostUses = 32;
-      if (a != memory.end || ++memory.uses > kMostUses)
-        memory = {b, 0, cavities.faces(tree, (a + b) / 2, tree.nearest((a + b) / 2).normal)};
-      memory.end = b;
-      if (memory.in_void) return;
-    }
+    constexpr int kMostUses = 32;
+    if (a != memory.end || ++memory.uses > kMostUses)
+      memory = {b, 0, cavities.faces(tree, (a + b) / 2, tree.nearest((a + b) / 2).normal)};
+    memory.end = b;
+    if (memory.in_void) return;
     visible.push_back({a, b});
   }
 

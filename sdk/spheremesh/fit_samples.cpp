@@ -245,7 +245,8 @@ std::vector<UnionSample> sample_union(const UnionGauge& gauge, double density, c
 
   std::vector<char> covered(taken.size(), 0);
   for_each_block(gauge, points, 0, [&](const NearbyPieces& pieces, std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) covered[k] = gauge.covers(pieces, points[k], kTouching) ? 1 : 0;
+    const std::size_t count = end - begin;
+    gauge.covers(pieces, std::span(points).subspan(begin, count), kTouching, std::span(covered).subspan(begin, count));
   });
   std::vector<UnionSample> boundary;
   for (std::size_t k = 0; k < order.size(); ++k)

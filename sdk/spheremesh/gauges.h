@@ -31,6 +31,7 @@ struct EdgeGauge {
     if (!(distance > std::abs(growth) * (1 + 1e-12))) {
       b_is_all = growth > 0;
       if (b_is_all) a = edge.b.centre, radius_a = edge.b.radius;
+      radius_b = radius_a;
       return;
     }
     length = distance;

@@ -10,6 +10,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "sdk/spheremesh/gauge_lanes.h"
 #include "sdk/spheremesh/union_gauge.h"
 
 namespace armature::sdk {
@@ -35,7 +36,7 @@ struct PointBall {
 template <class Work>
 void for_each_block(const UnionGauge& gauge, std::span<const Eigen::Vector3d> points, double within, Work&& work) {
   // Each choice is made among the pieces of the one before.
-  constexpr std::array<std::size_t, 3> kSizes{512, 64, 8};
+  constexpr std::array<std::size_t, 3> kSizes{512, 64, kLanes};
   const NearbyPieces all = gauge.all();
   const auto choose = [&](const NearbyPieces& among, std::size_t begin, std::size_t end, NearbyPieces& chosen) {
     const PointBall ball = PointBall::around(points.subspan(begin, end - begin));

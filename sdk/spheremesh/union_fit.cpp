@@ -20,6 +20,16 @@ using Eigen::VectorXd;
 
 constexpr int kOuterLasts = 5;  // iterations: cavities change slowly
 constexpr double kLongestStep = 0.03;
+constexpr double kCleft = 1.5;  // times what is far: the walls of a narrow cleft are pulled no farther at once
+
+/// Whether a straight way is free of the union. So a narrow cleft is told from a cavity: it is open to the input's
+/// surface.
+bool is_free(const UnionGauge& gauge, const NearbyPieces& all, const Vector3d& from, const Vector3d& to) {
+  constexpr double kTouching = 1e-7;
+  for (const double along : {0.15, 0.4, 0.7, 1.0})
+    if (gauge.distance(all, from + along * (to - from), 0, -kTouching) < -kTouching) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -180,7 +190,8 @@ void UnionFit::forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) con
   }
 }
 
-UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, FaceId& hint) const {
+UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, FaceId& hint,
+                                 const Whole* whole) const {
   const SurfacePoint q = tree_.closest(y.point, {.hint = hint});
   hint = q.face;
   const Vector3d& normal = face_normals_[q.face.index()];
@@ -188,10 +199,13 @@ UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, 
   const bool within = to_input.dot(normal) > 0;
   // The wall of a cavity lies within the input and, near its surface, looks the other way.
   const double shallow = y.normal.dot(normal) < 0.3 ? 2e-3 : 2 * outer.cell_size();
-  if (within && q.distance > shallow && !outer.sees(y.point, y.normal))
-    return {0, 0, 0, 0, y.corners, y.weights, Vector4d::Zero()};
-  Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
   double residual = q.distance;
+  if (within && q.distance > shallow && !outer.sees(y.point, y.normal)) {
+    if (whole == nullptr || !is_free(whole->gauge, whole->pieces, y.point, q.point))
+      return {0, 0, 0, 0, y.corners, y.weights, Vector4d::Zero()};
+    residual = std::min(residual, kCleft * loss.far);
+  }
+  Vector3d direction = q.distance > 1e-9 ? Vector3d(to_input / q.distance) : normal;
   const double along = direction.dot(y.normal);
   const double sign = along < 0 ? -1 : 1;
   direction *= sign, residual *= sign;
@@ -207,13 +221,14 @@ UnionFit::Row UnionFit::back_row(const UnionSample& y, const OuterSpace& outer, 
 
 void UnionFit::back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::vector<Row>& rows) const {
   const std::vector<UnionSample> boundary = sample_union(gauge, density_);
+  const Whole whole{gauge, gauge.all()};
   rows.resize(boundary.size());
   constexpr std::size_t kGrain = 64;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boundary.size(), kGrain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       FaceId hint;
                       for (std::size_t k = range.begin(); k < range.end(); ++k)
-                        rows[k] = back_row(boundary[k], outer, hint);
+                        rows[k] = back_row(boundary[k], outer, hint, &whole);
                     });
   std::erase_if(rows, [](const Row& row) { return row.weight == 0; });
   double area = 0;

@@ -91,12 +91,18 @@ class UnionFit {
     Eigen::Vector4d gradient;  ///< of the residual's distance by centre and radius of the interpolated sphere
   };
   class NormalEquations;
+  /// A whole union, where one is at hand: it tells narrow clefts from cavities.
+  struct Whole {
+    const UnionGauge& gauge;
+    NearbyPieces pieces;
+  };
 
   [[nodiscard]] std::vector<Row> rows(const UnionGauge& gauge, const OuterSpace& outer, FitError& error) const;
   void forward_rows(const UnionGauge& gauge, std::vector<Row>& rows) const;
   void back_rows(const UnionGauge& gauge, const OuterSpace& outer, std::vector<Row>& rows) const;
   /// No weight where the sample lies on the wall of a cavity.
-  [[nodiscard]] Row back_row(const UnionSample& sample, const OuterSpace& outer, FaceId& hint) const;
+  [[nodiscard]] Row back_row(const UnionSample& sample, const OuterSpace& outer, FaceId& hint,
+                             const Whole* whole = nullptr) const;
 
   SurfaceSamples samples_;
   std::vector<double> plain_;  ///< by sample: 1, or 0 for a watched vertex, of which only the tail counts

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sdk/spheremesh/gauge_lanes.h"
 #include "sdk/spheremesh/point_blocks.h"
 
 namespace armature::sdk {
@@ -12,6 +13,69 @@ using Eigen::Vector3d;
 
 std::uint32_t index_of(SphereId id) noexcept {
   return static_cast<std::uint32_t>(id.index());
+}
+
+// The same operations with wider registers where the processor has them: the same results.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define ARMATURE_LANES __attribute__((target_clones("avx2", "default")))
+#else
+#define ARMATURE_LANES
+#endif
+
+struct LeastLanes {
+  alignas(64) Lanes distance, piece, b, c;
+};
+
+double largest(const Lanes& lanes) noexcept {
+  double most = lanes[0];
+  for (const double x : lanes) most = std::max(most, x);
+  return most;
+}
+
+/// The nearest piece of each point; pieces as numbers, so that all lanes are of a kind.
+ARMATURE_LANES void find_least(const std::vector<NearbyPieces::Entry>& entries, const std::vector<EdgeGauge>& edges,
+                               const std::vector<FacetGauge>& facets, const PointLanes& points,
+                               LeastLanes& least) noexcept {
+  alignas(64) Lanes d, b, c{};
+  least.distance.fill(std::numeric_limits<double>::infinity());
+  least.piece.fill(0), least.b.fill(0), least.c.fill(0);
+  for (const auto& [bound, piece] : entries) {
+    if (bound - points.reach >= largest(least.distance)) break;
+    if (piece < edges.size())
+      distances(edges[piece], points, d, b);
+    else if (facets[piece - edges.size()].exists)
+      distances(facets[piece - edges.size()], points, d, b, c);
+    else
+      continue;
+    const auto number = static_cast<double>(piece);
+    LeastLanes now = least;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      now.piece[k] = d[k] < now.distance[k] ? number : now.piece[k];
+      now.b[k] = d[k] < now.distance[k] ? b[k] : now.b[k];
+      now.c[k] = d[k] < now.distance[k] ? c[k] : now.c[k];
+      now.distance[k] = d[k] < now.distance[k] ? d[k] : now.distance[k];
+    }
+    least = now;
+  }
+}
+
+/// The least distances, as long as some are not below `enough`.
+ARMATURE_LANES void find_cover(const std::vector<NearbyPieces::Entry>& entries, const std::vector<EdgeGauge>& edges,
+                               const std::vector<FacetGauge>& facets, const PointLanes& points, double enough,
+                               Lanes& least) noexcept {
+  alignas(64) Lanes d, b, c;
+  least.fill(enough);
+  for (const auto& [bound, piece] : entries) {
+    if (bound - points.reach >= enough) break;
+    if (piece < edges.size())
+      distances(edges[piece], points, d, b);
+    else if (facets[piece - edges.size()].exists)
+      distances(facets[piece - edges.size()], points, d, b, c);
+    else
+      continue;
+    for (std::size_t k = 0; k < kLanes; ++k) least[k] = d[k] < least[k] ? d[k] : least[k];
+    if (largest(least) < enough) break;
+  }
 }
 
 }  // namespace
@@ -100,7 +164,6 @@ void UnionGauge::near(const NearbyPieces& among, const Vector3d& centre, double 
 
 UnionTouch UnionGauge::touch(const NearbyPieces& pieces, const Vector3d& point) const noexcept {
   const double offset = (point - pieces.centre).norm();
-  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
   double least = std::numeric_limits<double>::infinity();
   std::uint32_t nearest = 0;
   double along_or_b = 0;
@@ -113,15 +176,31 @@ UnionTouch UnionGauge::touch(const NearbyPieces& pieces, const Vector3d& point) 
     if (!distance_to(piece, point, d, b, c)) continue;
     if (d < least) least = d, nearest = piece, along_or_b = b, weight_c = c;
   }
-  if (nearest >= edge_count)
-    return {least, nearest, facet_corners_[nearest - edge_count], {1 - along_or_b - weight_c, along_or_b, weight_c}};
-  const double t = edges_[nearest].blend(along_or_b);
-  const auto& ends = edge_corners_[nearest];
-  return {least, nearest, {ends[0], ends[1], ends[1]}, {1 - t, t, 0}};
+  return touch_of(nearest, least, along_or_b, weight_c);
 }
 
-bool UnionGauge::covers(const NearbyPieces& pieces, const Vector3d& point, double depth) const noexcept {
-  return distance(pieces, point, -depth, -depth) < -depth;
+UnionTouch UnionGauge::touch_of(std::uint32_t piece, double distance, double b, double c) const noexcept {
+  const auto edge_count = static_cast<std::uint32_t>(edges_.size());
+  if (piece >= edge_count) return {distance, piece, facet_corners_[piece - edge_count], {1 - b - c, b, c}};
+  const double t = edges_[piece].blend(b);
+  const auto& ends = edge_corners_[piece];
+  return {distance, piece, {ends[0], ends[1], ends[1]}, {1 - t, t, 0}};
+}
+
+void UnionGauge::touch(const NearbyPieces& pieces, std::span<const Vector3d> points, std::span<UnionTouch> out) const {
+  const PointLanes lanes(points, pieces.centre);
+  LeastLanes least;
+  find_least(pieces.entries, edges_, facets_, lanes, least);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    out[k] = touch_of(static_cast<std::uint32_t>(least.piece[k]), least.distance[k], least.b[k], least.c[k]);
+}
+
+void UnionGauge::covers(const NearbyPieces& pieces, std::span<const Vector3d> points, double depth,
+                        std::span<char> out) const {
+  const PointLanes lanes(points, pieces.centre);
+  Lanes least;
+  find_cover(pieces.entries, edges_, facets_, lanes, -depth, least);
+  for (std::size_t k = 0; k < points.size(); ++k) out[k] = least[k] < -depth ? 1 : 0;
 }
 
 double UnionGauge::distance(const NearbyPieces& pieces, const Vector3d& point, double below,
@@ -153,7 +232,7 @@ void touch_all(const UnionGauge& gauge, std::span<const Vector3d> points, std::s
   assert(points.size() == out.size());
   constexpr double kAnywhere = std::numeric_limits<double>::infinity();
   for_each_block(gauge, points, kAnywhere, [&](const NearbyPieces& pieces, std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) out[k] = gauge.touch(pieces, points[k]);
+    gauge.touch(pieces, points.subspan(begin, end - begin), out.subspan(begin, end - begin));
   });
 }
 

@@ -71,13 +71,18 @@ class UnionGauge {
 
   /// The nearest of these pieces.
   [[nodiscard]] UnionTouch touch(const NearbyPieces& pieces, const Eigen::Vector3d& point) const noexcept;
+  /// That for each of a few points, at most kLanes.
+  void touch(const NearbyPieces& pieces, std::span<const Eigen::Vector3d> points, std::span<UnionTouch> out) const;
   /// The least signed distance to these pieces, but no more than `below`; if it is less than `enough`, any that is.
   [[nodiscard]] double distance(const NearbyPieces& pieces, const Eigen::Vector3d& point, double below,
                                 double enough) const noexcept;
-  /// Whether the point lies deeper than `depth` within one of these pieces.
-  [[nodiscard]] bool covers(const NearbyPieces& pieces, const Eigen::Vector3d& point, double depth) const noexcept;
+  /// Which of a few points, at most kLanes, lie deeper than `depth` within one of these pieces: 1, others 0.
+  void covers(const NearbyPieces& pieces, std::span<const Eigen::Vector3d> points, double depth,
+              std::span<char> out) const;
 
  private:
+  /// The touch of a piece, where `b` and `c` are as below.
+  [[nodiscard]] UnionTouch touch_of(std::uint32_t piece, double distance, double b, double c) const noexcept;
   /// The distance of a piece's surface from a point, and the interpolated sphere it is of: `b` is how far along an
   /// edge, or the weights of the second and third corner are `b` and `c`. False for a facet that is not above or below
   /// it.

@@ -17,8 +17,8 @@ struct OuterSurfaceOptions {
   /// Size of the cells in which creases are looked for: parts of the surface smaller than this may be missed. Of the
   /// bounding box diagonal.
   double resolution = 2e-3;
-  /// Cells along the longest side of the bounding box of the grid that tells closed voids: a void narrower than a cell
-  /// may be missed, and one whose way out is narrower than a cell counts as closed.
+  /// Cells along the longest side of the bounding box of the grid that tells closed voids: one whose way out is
+  /// narrower than a cell counts as closed.
   int cavity_grid = 256;
 };
 
@@ -60,7 +60,7 @@ class OuterSurface {
   /// All creases, in no particular order; each appears twice, once for either primitive.
   [[nodiscard]] const std::vector<OuterCrease>& creases() const noexcept;
 
-  /// Whether the sphere-mesh holds closed voids.
+  /// Whether the sphere-mesh holds closed voids wider than a cell.
   [[nodiscard]] bool has_cavities() const noexcept;
 
   /// Distances to the primitives.
