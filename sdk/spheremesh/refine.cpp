@@ -50,7 +50,7 @@ Expected<void> check(const SphereMesh& start, const RefineOptions& options) {
     if (id.index() >= count)
       return fail("refine: sphere " + std::to_string(id.index()) + " is pinned, but there are " +
                   std::to_string(count));
-  if (options.rounds < 0 || options.steps < 0) return fail("refine: rounds and steps must not be negative");
+  if (options.rounds.value_or(0) < 0 || options.steps < 0) return fail("refine: rounds and steps must not be negative");
   if (!(options.tail >= 0) || !std::isfinite(options.tail)) return fail("refine: tail must be finite and not negative");
   return {};
 }
@@ -89,7 +89,12 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   const UnionGauge start_gauge(shape);
   const FitError before = fit.error(start_gauge, OuterSpace(start_gauge));
   fit.loss.far = std::clamp(2.5 * (before.forward + before.back), 2e-3, 0.05);
-  search(fit, shape, {.rounds = options.rounds, .steps = options.steps}, fixed, task);
+  constexpr std::size_t kMany = 75;
+  const bool many = shape.spheres.size() >= kMany;
+  const SearchEffort effort{.rounds = options.rounds.value_or(many ? 3 : 2),
+                            .first_steps = many ? 2 * options.steps : options.steps,
+                            .steps = options.steps};
+  search(fit, shape, effort, fixed, task);
   if (task.stopped()) return cancelled();
 
   constexpr double kPart = 5e-4;

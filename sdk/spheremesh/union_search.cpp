@@ -48,7 +48,7 @@ void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const 
     fit.improve(shape, outer, 4 * effort.steps, fixed, task);
     return;
   }
-  fit.improve(shape, outer, effort.steps, fixed, task);
+  fit.improve(shape, outer, effort.first_steps, fixed, task);
   constexpr double kLittle = 0.01;  // a round that gains less is the last one
   const std::size_t spheres = shape.spheres.size();
   std::size_t count = std::max<std::size_t>(1, spheres / 10);

@@ -11,8 +11,9 @@ namespace armature::sdk {
 
 /// How long to look for a better connectivity.
 struct SearchEffort {
-  int rounds = 3;  ///< at most
-  int steps = 8;   ///< of Gauss-Newton in a round
+  int rounds;       ///< 0: steps alone
+  int first_steps;  ///< of Gauss-Newton, before the rounds
+  int steps;        ///< in a round
 };
 
 /// Fits a sphere-mesh and changes where its spheres are and what joins them, with as many spheres: every round adds
