@@ -127,8 +127,8 @@ void Segmenter::State::find_candidates() noexcept {
       const float ray_x = grid.ray_x[static_cast<std::size_t>(x)];
       const float ray_y = grid.ray_y[static_cast<std::size_t>(y)];
       if (shadow && shadow->covers(ray_x, ray_y, w)) continue;
-      const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& wall) {
-        return std::abs(wall.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
+      const bool on_wall = std::ranges::any_of(stages->planes.walls(), [&](const ImagePlane& plane) {
+        return std::abs(plane.inverse_depth(ray_x, ray_y) - w) < kWallThickness;
       });
       if (on_wall && cell == BackgroundModel::Cell::Unknown && !stages->tracker.still_user(i, z)) {
         wall[i] = 1;

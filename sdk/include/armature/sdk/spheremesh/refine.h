@@ -27,7 +27,7 @@ struct RefineOptions {
   /// How often, at most, spheres are moved to where the error is and the connectivity is repaired, each time with some
   /// steps of Gauss-Newton; a kept round that gains less than 1 % is the last one. 0 keeps the connectivity. Without a
   /// number: 2, or 3 from 75 spheres on, which gain more by it.
-  std::optional<int> rounds;
+  std::optional<int> rounds = std::nullopt;
   /// Steps of Gauss-Newton in a round; four times as many in all where there are no rounds.
   int steps = 8;
   /// Points taken of either surface; 0 leaves it to the number of spheres.
