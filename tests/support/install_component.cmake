@@ -22,7 +22,13 @@ function(install_component component example hidden)
       message(FATAL_ERROR "${header} shows what belongs inside the .cpp files: ${shown}")
     endif()
   endforeach()
-  run("${CMAKE_COMMAND}" -S "${SOURCE}/${example}" -B "${folder}/build" -G "${GENERATOR}"
+  build_example("${example}" "${folder}/build")
+endfunction()
+
+# build_example(EXAMPLE BUILD)
+#   Builds the program of another folder against the same installation, in the folder BUILD.
+function(build_example example build)
+  run("${CMAKE_COMMAND}" -S "${SOURCE}/${example}" -B "${build}" -G "${GENERATOR}"
     "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_CXX_FLAGS=${FLAGS}" "-DCMAKE_PREFIX_PATH=${folder}/prefix")
-  run("${CMAKE_COMMAND}" --build "${folder}/build")
+  run("${CMAKE_COMMAND}" --build "${build}")
 endfunction()

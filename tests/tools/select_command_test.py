@@ -135,6 +135,25 @@ class Select(unittest.TestCase):
         self.assertEqual(len(result["matches"]), 2)
         self.assertGreater(result["matches"][1]["score"], 0.8)
 
+    def test_a_lasso_and_its_likes(self):
+        self.mesh = self.file("table.off", table([(-0.5, -0.5, 0.2), (0.5, 0.5, 0.2), (0.5, -0.5, 0.08)]))
+        loop = [[-0.7, -0.7, 1], [-0.3, -0.7, 1], [-0.3, -0.3, 1], [-0.7, -0.3, 1]]
+        gesture = {"tool": "lasso", "loop": loop, "direction": [0, 0, -1]}
+        result = self.select(gesture, "--expand", 1)
+        self.assertEqual(len(result["reference"]["faces"]), 2 * 12 * 12)
+        self.assertGreater(result["matches"][0]["score"], 0.9)
+        self.assertNotEqual(self.select({**gesture, "snap": 0.1})["reference"], result["reference"])
+        below = {"tool": "lasso", "loop": [[x, y, -1] for x, y, _ in loop], "eye": [-0.5, -0.5, -9]}
+        self.assertGreater(len(self.select(below)["reference"]["faces"]), 0)
+
+    def test_lassos_that_cannot_be_thrown(self):
+        self.assert_refused('{"tool":"lasso"}', '"loop"')
+        self.assert_refused('{"tool":"lasso","loop":[[0,0,0],[0,0,1],[0,1,1]]}', '"eye"', '"direction"')
+        self.assert_refused('{"tool":"lasso","loop":[[0,0,0],[0,0,1],[0,1,1]],"eye":[0,0]}', '"eye"', "three")
+        self.assert_refused('{"tool":"lasso","loop":[[0,0,0],[0,0,1],[0,1,1]],"eye":[0,0,9],"through":1}', '"through"', "true or")
+        self.assert_refused('{"tool":"lasso","loop":[[0,0,0],[0,0,1],[0,1,1]],"direction":[0,0,0]}', "no direction")
+        self.assert_refused('{"tool":"lasso","loop":[[0,0,0],[0,0,1],[0,1,1]],"direction":[1,0,0],"snap":-1}', '"snap"', "-1")
+
     def test_no_expansion_is_asked_for(self):
         self.assertEqual(self.select({"tool": "component", "face": 5})["matches"], [])
 
@@ -152,7 +171,7 @@ class Select(unittest.TestCase):
         self.assert_refused('{"tool":"component",\n"face":}', "line 2, column 8")
         self.assert_refused("[]", "object")
         self.assert_refused('{"face":1}', '"tool"', "missing")
-        self.assert_refused('{"tool":"lasso"}', '"component"', '"lasso"')
+        self.assert_refused('{"tool":"net"}', '"component"', '"net"')
         self.assert_refused('{"tool":"component"}', '"face"', "missing")
         self.assert_refused('{"tool":"component","face":48}', "0 to 47", "48")
         self.assert_refused('{"tool":"component","face":-1}', "-1")

@@ -33,6 +33,8 @@ TEST(Expansion, RanksByScoreAndCutsAnywhere) {
   EXPECT_EQ(order(kPool), (std::vector<std::size_t>{2, 4, 1, 3}));
   EXPECT_EQ(kPool.first(2).size(), 2);
   EXPECT_EQ(kPool.first(99).size(), 4);
+  // The slider copies nothing.
+  EXPECT_EQ(kPool.first(3).data(), kPool.first(1).data());
 }
 
 TEST(Expansion, WhatIsLikeAnAcceptedMatchRises) {

@@ -8,11 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/sdk/mesh/surfaces.h"
+#include "tests/sdk/selection/table.h"
 
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
+using table::faces_within;
 
 /// A table of side 2 with bumps of one shape at three places, and one that is lower.
 Mesh table_with_bumps() {
@@ -24,16 +26,6 @@ Mesh table_with_bumps() {
       z += bump.z() * std::exp(-std::pow((p - bump).head<2>().norm() / 0.1, 2));
     return Vector3d(p.x(), p.y(), z);
   });
-}
-
-std::vector<FaceId> faces_near(const Mesh& mesh, const Vector3d& centre, double radius) {
-  std::vector<FaceId> faces;
-  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
-    const FaceId face(f);
-    const Vector3d middle = (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
-    if ((middle - centre).head<2>().norm() < radius) faces.push_back(face);
-  }
-  return faces;
 }
 
 VertexId vertex_near(const Mesh& mesh, const Vector3d& point) {
@@ -80,7 +72,7 @@ TEST(PatchContexts, OfAFlatSurfaceGrowWithTheDistance) {
 TEST(PatchExpansion, FindsTheLikesOfABump) {
   const Mesh mesh = table_with_bumps();
   const Surface surface(mesh);
-  const auto patch = faces_near(mesh, {-0.5, -0.5, 0}, 0.2);
+  const auto patch = faces_within(mesh, 0.2, {-0.5, -0.5});
   const auto expansion = expand_patch(surface, patch);
   ASSERT_TRUE(expansion);
   ASSERT_GE(expansion->size(), 3);
@@ -100,7 +92,7 @@ TEST(PatchExpansion, AsksOneMeshWithAPatchOfAnother) {
   const Surface surface(mesh);
   const Mesh other = surfaces::moved(mesh, {7, 8, 9});
   const Surface of_patch(other);
-  const auto expansion = expand_patch(surface, of_patch, faces_near(other, {6.5, 7.5, 9}, 0.2));
+  const auto expansion = expand_patch(surface, of_patch, faces_within(other, 0.2, {6.5, 7.5}));
   ASSERT_TRUE(expansion);
   for (const Match& match : expansion->first(3)) EXPECT_GT(match.score, 0.9);
   const Vector3d shift = expansion->first(1)[0].reference_from_match.topRightCorner<3, 1>();
@@ -111,7 +103,7 @@ TEST(PatchExpansion, FindsOtherSizesWhenAsked) {
   Mesh mesh = table_with_bumps();
   mesh = surfaces::together(mesh, surfaces::moved(table_with_bumps(), {9, 0, 0}, 1.6));
   const Surface surface(mesh);
-  const auto expansion = expand_patch(surface, faces_near(mesh, {-0.5, -0.5, 0}, 0.2), {.scales = {1, 1.26, 1.587}});
+  const auto expansion = expand_patch(surface, faces_within(mesh, 0.2, {-0.5, -0.5}), {.scales = {1, 1.26, 1.587}});
   ASSERT_TRUE(expansion);
   ASSERT_GE(expansion->size(), 5);
   const auto best = expansion->first(5);
@@ -124,7 +116,7 @@ TEST(PatchExpansion, FindsOtherSizesWhenAsked) {
 TEST(PatchExpansion, IsTheSameOnEveryRun) {
   const Mesh mesh = table_with_bumps();
   const Surface surface(mesh);
-  const auto patch = faces_near(mesh, {-0.5, -0.5, 0}, 0.2);
+  const auto patch = faces_within(mesh, 0.2, {-0.5, -0.5});
   const auto a = expand_patch(surface, patch);
   const auto b = expand_patch(surface, patch);
   ASSERT_TRUE(a && b);

@@ -9,42 +9,17 @@
 #include <gtest/gtest.h>
 
 #include "tests/sdk/mesh/surfaces.h"
+#include "tests/sdk/selection/table.h"
 
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
 
-/// A table of side 2 with a round block on it: radius 0.4, height 0.2, steep but not vertical.
-Mesh table_with_a_block() {
-  return surfaces::over({100, 100, false, false, 0}, [](double i, double j) {
-    const Vector3d p(2 * i - 1, 2 * j - 1, 0);
-    return Vector3d(p.x(), p.y(), 0.2 * std::clamp((0.45 - p.norm()) / 0.05, 0.0, 1.0));
-  });
-}
-
-Vector3d middle(const Mesh& mesh, FaceId face) {
-  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
-}
-
-std::vector<FaceId> faces_within(const Mesh& mesh, double radius) {
-  std::vector<FaceId> faces;
-  for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
-    if (middle(mesh, FaceId(f)).head<2>().norm() < radius) faces.emplace_back(f);
-  return faces;
-}
-
-/// Intersection over union, by area.
-double overlap(const Mesh& mesh, const std::vector<FaceId>& a, const std::vector<FaceId>& b) {
-  const auto area = [&](const std::vector<FaceId>& faces) {
-    double sum = 0;
-    for (const FaceId face : faces) sum += area_vector(mesh, face).norm();
-    return sum;
-  };
-  std::vector<FaceId> both;
-  std::ranges::set_intersection(a, b, std::back_inserter(both));
-  return area(both) / (area(a) + area(b) - area(both));
-}
+using table::faces_within;
+using table::middle;
+using table::overlap;
+using table::table_with_a_block;
 
 bool hangs_together(const Mesh& mesh, const std::vector<FaceId>& faces) {
   Mesh part{.positions = mesh.positions};
@@ -119,6 +94,15 @@ TEST(PatchBrush, ABrushLargerThanTheModelSelectsAllOfIt) {
   const Mesh mesh = surfaces::icosphere(2);
   const Surface surface(mesh);
   EXPECT_EQ(select_patch(surface, {.strokes = {{{0, 0, 1}}}, .radius = 50})->size(), mesh.triangles.size());
+}
+
+TEST(PatchBrush, OnABoundaryTakesTheSideThatIsThere) {
+  const Mesh mesh = table_with_a_block();
+  const Surface surface(mesh);
+  const auto patch = select_patch(surface, {.strokes = {{{1, 0, 0}, {1, 0.1, 0}}}, .radius = 0.1});
+  ASSERT_TRUE(patch) << refusal(patch);
+  EXPECT_GT(patch->size(), 50U);
+  EXPECT_TRUE(hangs_together(mesh, *patch));
 }
 
 TEST(PatchBrush, OneTriangleIsAPatch) {

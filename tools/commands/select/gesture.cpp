@@ -83,7 +83,7 @@ class Reader {
 
  private:
   using Tool = Expected<Gesture> (Reader::*)(const Json&) const;
-  static const std::array<std::pair<const char*, Tool>, 3> kTools;
+  static const std::array<std::pair<const char*, Tool>, 4> kTools;
 
   static std::string tools() {
     std::vector<std::string> names;
@@ -105,13 +105,9 @@ class Reader {
     if (auto checked = only_keys(json, {"tool", "strokes", "radius", "background"}); !checked)
       return tl::unexpected(checked.error());
     PatchGesture gesture;
-    const auto radius = json.find("radius");
-    if (radius == json.end() || !radius->is_number() || !(radius->get<double>() > 0) ||
-        !std::isfinite(radius->get<double>()))
-      return refuse("\"radius\"",
-                    fmt::format("expected a positive number in the model's unit, {}",
-                                radius == json.end() ? "found nothing" : "found " + shown_value(*radius)));
-    gesture.drawn.radius = radius->get<double>();
+    const auto radius = length(json, "radius");
+    if (!radius) return tl::unexpected(radius.error());
+    gesture.drawn.radius = *radius;
     auto drawn = strokes(json, "strokes");
     if (!drawn) return tl::unexpected(drawn.error());
     if (drawn->empty()) return refuse("\"strokes\"", "expected at least one stroke over the patch");
@@ -132,7 +128,46 @@ class Reader {
     return PartGesture{std::move(*drawn)};
   }
 
+  Expected<Gesture> lasso(const Json& json) const {
+    if (auto checked = only_keys(json, {"tool", "loop", "eye", "direction", "through", "snap"}); !checked)
+      return tl::unexpected(checked.error());
+    LassoGesture gesture;
+    auto loop = stroke(json.value("loop", Json()), "\"loop\"");
+    if (!loop) return tl::unexpected(loop.error());
+    gesture.drawn.loop = std::move(*loop);
+    const bool has_eye = json.contains("eye");
+    if (has_eye == json.contains("direction"))
+      return refuse("\"eye\"", "expected either \"eye\", where the picture is seen from, or its \"direction\"");
+    const auto view = point(json[has_eye ? "eye" : "direction"], has_eye ? "\"eye\"" : "\"direction\"");
+    if (!view) return tl::unexpected(view.error());
+    if (has_eye)
+      gesture.drawn.seen_from = sdk::Eye{*view};
+    else
+      gesture.drawn.seen_from = sdk::Gaze{*view};
+    if (const auto through = json.find("through"); through != json.end()) {
+      if (!through->is_boolean())
+        return refuse("\"through\"", "expected true or false, found " + shown_value(*through));
+      gesture.drawn.through = through->get<bool>();
+    }
+    if (json.contains("snap")) {
+      const auto snap = length(json, "snap");
+      if (!snap) return tl::unexpected(snap.error());
+      gesture.snap = *snap;
+    }
+    return gesture;
+  }
+
   using Stroke = std::vector<Eigen::Vector3d>;
+
+  Expected<double> length(const Json& json, const std::string& key) const {
+    const auto value = json.find(key);
+    if (value == json.end() || !value->is_number() || !(value->get<double>() > 0) ||
+        !std::isfinite(value->get<double>()))
+      return refuse('"' + key + '"',
+                    fmt::format("expected a positive number in the model's unit, {}",
+                                value == json.end() ? "found nothing" : "found " + shown_value(*value)));
+    return value->get<double>();
+  }
 
   /// The strokes of a key: a list of them, or one alone.
   Expected<std::vector<Stroke>> strokes(const Json& json, const std::string& key) const {
@@ -161,14 +196,18 @@ class Reader {
     Stroke points;
     points.reserve(json.size());
     for (std::size_t i = 0; i < json.size(); ++i) {
-      const Json& point = json[i];
-      const auto fits = [](const Json& number) { return number.is_number() && std::isfinite(number.get<double>()); };
-      if (!point.is_array() || point.size() != 3 || !std::ranges::all_of(point, fits))
-        return refuse(fmt::format("{}[{}]", place, i),
-                      "expected three finite numbers [x,y,z], found " + shown_value(point));
-      points.emplace_back(point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
+      const auto one = point(json[i], fmt::format("{}[{}]", place, i));
+      if (!one) return tl::unexpected(one.error());
+      points.push_back(*one);
     }
     return points;
+  }
+
+  Expected<Eigen::Vector3d> point(const Json& json, const std::string& place) const {
+    const auto fits = [](const Json& number) { return number.is_number() && std::isfinite(number.get<double>()); };
+    if (!json.is_array() || json.size() != 3 || !std::ranges::all_of(json, fits))
+      return refuse(place, "expected three finite numbers [x,y,z], found " + shown_value(json));
+    return Eigen::Vector3d(json[0].get<double>(), json[1].get<double>(), json[2].get<double>());
   }
 
   Expected<void> only_keys(const Json& json, std::initializer_list<std::string_view> known) const {
@@ -186,8 +225,8 @@ class Reader {
   std::size_t faces_;
 };
 
-const std::array<std::pair<const char*, Reader::Tool>, 3> Reader::kTools = {
-    {{"component", &Reader::component}, {"part", &Reader::part}, {"patch", &Reader::patch}}};
+const std::array<std::pair<const char*, Reader::Tool>, 4> Reader::kTools = {
+    {{"component", &Reader::component}, {"part", &Reader::part}, {"patch", &Reader::patch}, {"lasso", &Reader::lasso}}};
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <armature/sdk/mesh/ids.h>
+#include <armature/sdk/selection/lasso.h>
 #include <armature/sdk/selection/patch_brush.h>
 
 #include "firmware_host/error.h"
@@ -29,8 +30,15 @@ struct PartGesture {
   std::vector<std::vector<Eigen::Vector3d>> strokes;
 };
 
+/// A loop in a picture: {"tool":"lasso","loop":[[x,y,z],...],"eye":[x,y,z],"through":true,"snap":W}; a parallel
+/// picture has a "direction" instead of the eye, and the last two keys may be left out.
+struct LassoGesture {
+  sdk::Lasso drawn;
+  double snap = 0;  ///< how far the boundary may move to where the surface is better cut, in the mesh's unit
+};
+
 /// What a user does to select a region.
-using Gesture = std::variant<ComponentGesture, PartGesture, PatchGesture>;
+using Gesture = std::variant<ComponentGesture, PartGesture, PatchGesture, LassoGesture>;
 
 /// Reads a gesture from JSON, for a mesh of so many faces. Refused in one line with the place: what is not JSON, keys
 /// that are unknown, missing or there twice, numbers that are not finite, faces that are not there. `name` stands for

@@ -16,6 +16,7 @@
 #include <armature/sdk/expansion/patch_expansion.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/selection/boundary.h>
 #include <armature/sdk/selection/part_cut.h>
 #include <armature/sdk/selection/patch_brush.h>
 #include <fmt/format.h>
@@ -53,7 +54,8 @@ struct Select {
   const sdk::Task& task;
 
   sdk::Expected<Outcome> operator()(const ComponentGesture& gesture) const {
-    if (&drawn_on != &mesh) return sdk::fail("--from works with patches; click a component of the mesh itself");
+    if (&drawn_on != &mesh)
+      return sdk::fail("--from works with patches and the lasso; click a component of the mesh itself");
     const auto start = std::chrono::steady_clock::now();
     const sdk::Adjacency adjacency(mesh);
     const auto index = sdk::ComponentIndex::build(mesh, adjacency, task);
@@ -65,7 +67,21 @@ struct Select {
     return Outcome{std::move(*expansion), {{"load", number(load_ms)}, {"expand", number(milliseconds_since(clicked))}}};
   }
 
-  sdk::Expected<Outcome> operator()(const PatchGesture& gesture) const {
+  sdk::Expected<Outcome> operator()(const PatchGesture& gesture) const { return patch(gesture); }
+  sdk::Expected<Outcome> operator()(const LassoGesture& gesture) const { return patch(gesture); }
+
+  static sdk::Expected<std::vector<sdk::FaceId>> select_in(const sdk::Surface& surface, const PatchGesture& gesture) {
+    return sdk::select_patch(surface, gesture.drawn);
+  }
+  static sdk::Expected<std::vector<sdk::FaceId>> select_in(const sdk::Surface& surface, const LassoGesture& gesture) {
+    auto faces = sdk::select_lasso(surface, gesture.drawn);
+    if (!faces || !(gesture.snap > 0)) return faces;
+    return sdk::snap_boundary(surface, *faces, gesture.snap);
+  }
+
+  /// A region of the surface, however it is selected, and its likes.
+  template <class Drawn>
+  sdk::Expected<Outcome> patch(const Drawn& gesture) const {
     const auto start = std::chrono::steady_clock::now();
     const sdk::Surface surface(mesh);
     std::optional<sdk::Surface> other;
@@ -73,7 +89,7 @@ struct Select {
     const sdk::Surface& of_patch = other ? *other : surface;
     const double load_ms = milliseconds_since(start);
     const auto began = std::chrono::steady_clock::now();
-    auto patch = sdk::select_patch(of_patch, gesture.drawn);
+    auto patch = select_in(of_patch, gesture);
     if (!patch) return tl::unexpected(patch.error());
     Json timings = {{"load", number(load_ms)}, {"select", number(milliseconds_since(began))}};
     if (arguments.expand == 0) return Outcome{sdk::Expansion(std::move(*patch), {}, {}), std::move(timings)};
@@ -89,7 +105,8 @@ struct Select {
   }
 
   sdk::Expected<Outcome> operator()(const PartGesture& gesture) const {
-    if (&drawn_on != &mesh) return sdk::fail("--from works with patches; draw along a cut of the mesh itself");
+    if (&drawn_on != &mesh)
+      return sdk::fail("--from works with patches and the lasso; draw along a cut of the mesh itself");
     const auto start = std::chrono::steady_clock::now();
     const sdk::Surface surface(mesh);
     const auto model = sdk::PartModel::build(surface, task);
@@ -208,7 +225,11 @@ void add_select(CLI::App& app, Run& run) {
       "  {\"tool\":\"patch\",\"strokes\":[[[x,y,z],...],...],\"radius\":R,\"background\":[[[x,y,z],...],...]}\n"
       "      what a brush of radius R goes over, and on to where the surface bends; never over the background "
       "strokes,\n"
-      "      which may be left out. Points are moved to the surface, at most 5 % of the bounding box's diagonal.\n\n"
+      "      which may be left out. Points are moved to the surface, at most 5 % of the bounding box's diagonal.\n"
+      "  {\"tool\":\"lasso\",\"loop\":[[x,y,z],...],\"eye\":[x,y,z],\"through\":false,\"snap\":W}\n"
+      "      what is seen inside the loop from the eye, or along a \"direction\":[x,y,z] given instead; also what is\n"
+      "      hidden if \"through\" is true. With \"snap\" the boundary runs where the surface is best cut within W.\n"
+      "      Its likes are those of a patch.\n\n"
       "Result: "
       "{\"reference\":{\"faces\":[...]},\"matches\":[{\"faces\":[...],\"score\":S,\"transform\":[16],...}],...}\n"
       "without the reference among the matches; S is 1 for the same shape. The transform is a 4 x 4 matrix, row by\n"
