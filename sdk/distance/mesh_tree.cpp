@@ -2,6 +2,7 @@
 #include <armature/sdk/distance/mesh_tree.h>
 
 #include "sdk/distance/bvh.h"
+#include "sdk/distance/facet.h"
 
 namespace armature::sdk {
 namespace {
@@ -9,75 +10,17 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kLeafSize = 4;
-constexpr double kSliver = 1e-20;  // squared sine below which a face is taken for its three sides
 
-/// A triangle with what its closest point needs.
-struct Facet {
-  Vector3d a, ab, ac;
-  double ab_ab, ab_ac, ac_ac;
+struct NumberedFacet : Facet {
   std::uint32_t face;
-  bool sliver;
 };
-
-/// Where on a facet: a + v ab + w ac.
-struct Place {
-  double v = 0;
-  double w = 0;
-};
-
-Place closest_on_sides(const Facet& f, const Vector3d& ap) noexcept {
-  const auto along = [](const Vector3d& side, const Vector3d& from_start) {
-    const double length2 = side.squaredNorm();
-    return length2 > 0 ? std::clamp(side.dot(from_start) / length2, 0.0, 1.0) : 0.0;
-  };
-  const double on_ab = along(f.ab, ap);
-  const double on_ac = along(f.ac, ap);
-  const double on_bc = along(f.ac - f.ab, ap - f.ab);
-  Place best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Place place : {Place{on_ab, 0}, Place{0, on_ac}, Place{1 - on_bc, on_bc}}) {
-    const double distance2 = (ap - place.v * f.ab - place.w * f.ac).squaredNorm();
-    if (distance2 < least) {
-      least = distance2;
-      best = place;
-    }
-  }
-  return best;
-}
-
-/// Ericson, Real-Time Collision Detection, section 5.1.5.
-Place closest_place(const Facet& f, const Vector3d& ap) noexcept {
-  if (f.sliver) return closest_on_sides(f, ap);
-  const double d1 = f.ab.dot(ap);
-  const double d2 = f.ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return {};
-  const double d3 = d1 - f.ab_ab;
-  const double d4 = d2 - f.ab_ac;
-  if (d3 >= 0 && d4 <= d3) return {1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {d1 / f.ab_ab, 0};
-  const double d5 = d1 - f.ab_ac;
-  const double d6 = d2 - f.ac_ac;
-  if (d6 >= 0 && d5 <= d6) return {0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {0, d2 / f.ac_ac};
-  const double va = d3 * d6 - d5 * d4;
-  const double b_side = d4 - d3;
-  const double c_side = d5 - d6;
-  if (va <= 0 && b_side >= 0 && c_side >= 0) {
-    const double w = b_side / (b_side + c_side);
-    return {1 - w, w};
-  }
-  const double scale = 1 / (va + vb + vc);
-  return {vb * scale, vc * scale};
-}
 
 }  // namespace
 
 struct MeshTree::State {
   UnitFrame frame;
   Bvh bvh;
-  std::vector<Facet> facets;             // in the order of the leaves
+  std::vector<NumberedFacet> facets;     // in the order of the leaves
   std::vector<std::uint32_t> place_of_;  // by face
 
   [[nodiscard]] int winding(const Vector3d& point, const Vector3d& direction) const noexcept;
@@ -105,18 +48,9 @@ MeshTree::MeshTree(const Mesh& mesh) {
   state->facets.reserve(count);
   state->place_of_.resize(count);
   for (const std::uint32_t k : state->bvh.order()) {
-    Facet f;
-    f.face = k;
-    f.a = mesh.corner(FaceId(k), 0);
-    f.ab = mesh.corner(FaceId(k), 1) - f.a;
-    f.ac = mesh.corner(FaceId(k), 2) - f.a;
-    f.ab_ab = f.ab.squaredNorm();
-    f.ab_ac = f.ab.dot(f.ac);
-    f.ac_ac = f.ac.squaredNorm();
-    const double longest2 = std::max({f.ab_ab, f.ac_ac, (f.ac - f.ab).squaredNorm()});
-    f.sliver = !(f.ab.cross(f.ac).squaredNorm() > kSliver * longest2 * longest2);
+    const auto corner = [&](std::size_t c) -> const Vector3d& { return mesh.corner(FaceId(k), c); };
     state->place_of_[k] = static_cast<std::uint32_t>(state->facets.size());
-    state->facets.push_back(f);
+    state->facets.push_back({Facet(corner(0), corner(1), corner(2)), k});
   }
   state_ = std::move(state);
 }
@@ -127,13 +61,12 @@ MeshTree& MeshTree::operator=(MeshTree&&) noexcept = default;
 
 SurfacePoint MeshTree::closest(const Vector3d& point, const SearchStart& start) const noexcept {
   const State& s = *state_;
-  const Facet* nearest = nullptr;
-  Place nearest_place;
+  const NumberedFacet* nearest = nullptr;
+  Facet::Place nearest_place;
   double least2 = start.within * start.within;
-  const auto look_at = [&](const Facet& f) {
-    const Vector3d ap = point - f.a;
-    const Place place = closest_place(f, ap);
-    const double distance2 = (ap - place.v * f.ab - place.w * f.ac).squaredNorm();
+  const auto look_at = [&](const NumberedFacet& f) {
+    const Facet::Place place = f.closest(point);
+    const double distance2 = f.squared_distance(point, place);
     if (distance2 < least2 || (!nearest && distance2 <= least2)) {
       least2 = distance2;
       nearest = &f;
@@ -153,10 +86,7 @@ SurfacePoint MeshTree::closest(const Vector3d& point, const SearchStart& start) 
       });
   if (!nearest) return {};
   const auto [v, w] = nearest_place;
-  return {FaceId(nearest->face),
-          nearest->a + v * nearest->ab + w * nearest->ac,
-          {std::max(0.0, 1 - v - w), v, w},
-          std::sqrt(least2)};
+  return {FaceId(nearest->face), nearest->at(nearest_place), {std::max(0.0, 1 - v - w), v, w}, std::sqrt(least2)};
 }
 
 namespace {

@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using CornerId = Tetrahedra::CornerId;
+using Corners = std::array<Vector3d, 4>;
 
 constexpr std::size_t kMostTets = 8'000'000;
 constexpr int kCavityGrid = OuterSurfaceOptions{}.cavity_grid;  // so that distances agree about what is outside
@@ -80,37 +81,109 @@ class Cutter {
     return inside_[id];
   }
 
+  /// A body that may reach into a tetrahedron, and its signed distances at the corners.
+  struct Reaching {
+    ConvexUnion::BodyId body;
+    std::array<double, 4> at;
+    double at_middle;  // of the edge that is halved
+
+    [[nodiscard]] bool covers() const noexcept {
+      return std::all_of(at.begin(), at.end(), [](double d) { return d < 0; });
+    }
+  };
+  struct Extent {
+    Vector3d middle;
+    double reach = 0;
+
+    explicit Extent(const Corners& p) : middle((p[0] + p[1] + p[2] + p[3]) / 4) {
+      for (const Vector3d& corner : p) reach = std::max(reach, (corner - middle).norm());
+    }
+  };
+
+  [[nodiscard]] bool reaches(ConvexUnion::BodyId body, const Corners& p, const Vector3d& middle) const {
+    const ConvexUnion::Value v = bodies_.value(body, middle);
+    return std::any_of(p.begin(), p.end(),
+                       [&](const Vector3d& corner) { return v.distance + v.gradient.dot(corner - middle) <= 0; });
+  }
+
+  /// Whether a tetrahedron is too small to matter, given the bodies from `first` on.
+  [[nodiscard]] bool is_small(double reach, std::size_t first) const {
+    const auto is_thin = [&](const Reaching& r) { return bodies_.least_radius(r.body) < options_.fine; };
+    return reach <= options_.fine &&
+           std::none_of(reaching_.begin() + static_cast<std::ptrdiff_t>(first), reaching_.end(), is_thin);
+  }
+
   bool wants_halving(Tetrahedra::TetId id) {
     const Tetrahedra::Tet tet = tets_.tets()[id];
-    std::array<Vector3d, 4> p;
-    Vector3d middle = Vector3d::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
-      p[k] = tets_.corner(tet.corners[k]);
-      middle += p[k] / 4;
-    }
-    double reach = 0;
-    for (const Vector3d& corner : p) reach = std::max(reach, (corner - middle).norm());
-    if (reach <= options_.finest) return false;
-
-    near_.clear();
-    bodies_.find(middle, reach, near_);
+    Corners p;
+    for (std::size_t k = 0; k < 4; ++k) p[k] = tets_.corner(tet.corners[k]);
+    const Extent extent(p);
+    if (extent.reach <= options_.finest) return false;
     active_.clear();
-    for (const ConvexUnion::BodyId body : near_) {
-      const ConvexUnion::Value v = bodies_.value(body, middle);
-      double below = std::numeric_limits<double>::infinity();
-      double most = -std::numeric_limits<double>::infinity();
-      for (const Vector3d& corner : p) below = std::min(below, v.distance + v.gradient.dot(corner - middle));
-      if (below > 0) continue;
-      for (const Vector3d& corner : p) most = std::max(most, bodies_.distance(body, corner));
-      if (most < 0) return false;
-      active_.push_back(body);
+    bodies_.find(extent.middle, extent.reach, active_);
+    std::erase_if(active_, [&](ConvexUnion::BodyId body) { return !reaches(body, p, extent.middle); });
+    reaching_.clear();
+    for (const ConvexUnion::BodyId body : active_) {
+      Reaching& r = reaching_.emplace_back();
+      r.body = body;
+      for (std::size_t k = 0; k < 4; ++k) r.at[k] = bodies_.distance(body, p[k]);
+      if (r.covers()) return false;
     }
-    const auto is_thin = [&](ConvexUnion::BodyId body) { return bodies_.least_radius(body) < options_.fine; };
-    if (reach <= options_.fine && std::none_of(active_.begin(), active_.end(), is_thin)) return false;
-    if (active_.empty()) return false;
+    if (active_.empty() || is_small(extent.reach, 0)) return false;
     const auto within = std::count_if(tet.corners.begin(), tet.corners.end(), [&](CornerId c) { return inside(c); });
-    if (within == 0 || within == 4) return true;
+    if (within == 0) return true;
+    if (within == 4) return is_near_surface(tet) || !halves_are_solid(p, 0);
     return error_of(cut(tet, &active_)) > options_.error;
+  }
+
+  /// Whether a tetrahedron that it touches has a corner outside: there clefts begin, and their bottoms are wanted.
+  bool is_near_surface(const Tetrahedra::Tet& tet) {
+    const auto sticks_out = [&](Tetrahedra::TetId neighbour) {
+      const auto& corners = tets_.tets()[neighbour].corners;
+      return std::any_of(corners.begin(), corners.end(), [&](CornerId c) { return !inside(c); });
+    };
+    return std::any_of(tet.corners.begin(), tet.corners.end(), [&](CornerId corner) {
+      const auto& around = tets_.around(corner);
+      return std::any_of(around.begin(), around.end(), sticks_out);
+    });
+  }
+
+  /// Whether no gap is found between the bodies from `first` on that meet in a tetrahedron all of whose corners are
+  /// inside. Halved on its own it takes no neighbours along: most of what needs a closer look lies deep inside.
+  bool halves_are_solid(const Corners& p, std::size_t first) {
+    std::size_t i = 0, j = 1;
+    double longest2 = 0;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b)
+        if (const double length2 = (p[a] - p[b]).squaredNorm(); length2 > longest2) longest2 = length2, i = a, j = b;
+    const Vector3d middle = (p[i] + p[j]) / 2;
+    const std::size_t end = reaching_.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = first; k < end; ++k)
+      least = std::min(least, reaching_[k].at_middle = bodies_.distance(reaching_[k].body, middle));
+    if (least >= 0 && !filled(middle)) return false;
+    for (const std::size_t corner : {i, j}) {
+      Corners half = p;
+      half[corner] = middle;
+      const bool solid = half_is_settled(half, corner, first, end) || halves_are_solid(half, end);
+      reaching_.resize(end);
+      if (!solid) return false;
+    }
+    return true;
+  }
+
+  /// Appends those of the bodies from `first` to `end` that may reach into a half with a new corner.
+  bool half_is_settled(const Corners& p, std::size_t corner, std::size_t first, std::size_t end) {
+    const Extent extent(p);
+    if (extent.reach <= options_.finest) return true;
+    for (std::size_t k = first; k < end; ++k) {
+      if (!reaches(reaching_[k].body, p, extent.middle)) continue;
+      Reaching r = reaching_[k];
+      r.at[corner] = r.at_middle;
+      if (r.covers()) return true;
+      reaching_.push_back(r);
+    }
+    return reaching_.size() == end || is_small(extent.reach, end);
   }
 
   [[nodiscard]] double error_of(const Cut& c) const {
@@ -232,7 +305,8 @@ class Cutter {
   std::unordered_map<std::uint64_t, std::uint32_t> on_edge_;
   std::vector<Vector3d> positions_;
   std::vector<Triangle> triangles_;
-  std::vector<ConvexUnion::BodyId> near_, active_;
+  std::vector<ConvexUnion::BodyId> active_;  // that may reach into the tetrahedron at hand
+  std::vector<Reaching> reaching_;           // the same, and then those of its halves' halves
 };
 
 /// For every face the component of the mesh that it belongs to, by a number below `count`.

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include "sdk/distance/facet.h"
 #include "sdk/spheremesh/cracks.h"
 #include "sdk/spheremesh/crossings.h"
 #include "sdk/spheremesh/surface_band.h"
@@ -49,29 +50,6 @@ struct PlaneQuadric {
   }
 };
 
-/// Squared distance from a point to a triangle (Ericson, Real-Time Collision Detection, section 5.1.5).
-double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
-  const Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
-  const Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
-  const double va = d3 * d6 - d5 * d4;
-  const double bc = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 >= d3 && d5 >= d6 && bc > 0) return (bp - (d4 - d3) / bc * (c - b)).squaredNorm();
-  const double sum = va + vb + vc;
-  if (!(sum > 0)) return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});
-  return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
-}
-
 using Index = std::uint32_t;
 constexpr Index kNone = std::numeric_limits<Index>::max();
 
@@ -103,7 +81,7 @@ class Simplifier {
   }
 
   Expected<Mesh> run(const Task& task) {
-    open_cracks();
+    if (!open_cracks(task)) return cancelled();
     // What failed once may do after its surroundings have changed: so a few rounds.
     for (int round = 0; round < 6; ++round) {
       const std::size_t before = live_faces_;
@@ -170,22 +148,26 @@ class Simplifier {
     return sum.least_near((positions_[a] + positions_[b]) / 2);
   }
 
-  /// Sinks what spans a crack to its bottom, pair by pair of opposite vertices; holds the bottoms of all clefts.
-  void open_cracks() {
+  /// Sinks what spans a crack to its bottom, pair by pair of opposite vertices; holds the bottoms of all clefts. False
+  /// if stopped.
+  bool open_cracks(const Task& task) {
     struct Pair {
       double cosine, length;
       Index a, b;
     };
     std::vector<Pair> pairs;
-    for (Index v = 0; v < positions_.size(); ++v)
+    for (Index v = 0; v < positions_.size(); ++v) {
+      if ((v & 0xFF) == 0 && task.stopped()) return false;
       for (const Index w : neighbours(v))
         if (v < w)
           if (const double cosine = cracks_.cosine(positions_[v], positions_[w]); cosine < kFlat)
             pairs.push_back({cosine, (positions_[v] - positions_[w]).norm(), v, w});
+    }
     std::sort(pairs.begin(), pairs.end(),
               [](const Pair& p, const Pair& q) { return std::tie(p.length, p.a, p.b) < std::tie(q.length, q.a, q.b); });
     std::vector<bool> sunk(positions_.size(), false);
     for (const auto& [cosine, length, a, b] : pairs) {
+      if (task.stopped()) return false;
       if (sunk[a] || sunk[b]) continue;
       const std::optional<Vector3d> bottom = cracks_.bottom(positions_[a], positions_[b]);
       if (!bottom) continue;
@@ -200,14 +182,12 @@ class Simplifier {
         originals_.push_back(*bottom);
         apply(a, b, *bottom, sum);
       } else {
-        const Face& face = faces_[gone_.front()];
-        if (squared_distance(*bottom, positions_[face[0]], positions_[face[1]], positions_[face[2]]) >
-            tolerance_ * tolerance_)
-          continue;
+        if (facet_of(faces_[gone_.front()]).squared_distance(*bottom) > tolerance_ * tolerance_) continue;
         held_[gone_.front()].push_back(original);
         originals_.push_back(*bottom);
       }
     }
+    return true;
   }
 
   void push(Index a, Index b) {
@@ -283,17 +263,25 @@ class Simplifier {
     return stays_close(a, b, x) && !runs_through_others(a, b, x);
   }
 
+  [[nodiscard]] Facet facet_of(const Face& face) const {
+    return {positions_[face[0]], positions_[face[1]], positions_[face[2]]};
+  }
+
   /// Whether mesh and surface stay within the tolerance of each other.
   bool stays_close(Index a, Index b, const Vector3d& x) {
     triangles_.clear();
-    for (const Index f : changed_) triangles_.push_back(moved(faces_[f], a, b, x));
+    facets_.clear();
+    for (const Index f : changed_) {
+      const auto& t = triangles_.emplace_back(moved(faces_[f], a, b, x));
+      facets_.emplace_back(t[0], t[1], t[2]);
+    }
     const double limit2 = tolerance_ * tolerance_;
     for (const auto* faces : {&changed_, &gone_})
       for (const Index f : *faces)
         for (const Index original : held_[f]) {
           double least2 = std::numeric_limits<double>::infinity();
-          for (const auto& t : triangles_) {
-            least2 = std::min(least2, squared_distance(originals_[original], t[0], t[1], t[2]));
+          for (const Facet& facet : facets_) {
+            least2 = std::min(least2, facet.squared_distance(originals_[original]));
             if (least2 <= limit2 / 4) break;
           }
           if (least2 > limit2) return false;
@@ -339,8 +327,7 @@ class Simplifier {
       Index home = changed_.front();
       double least2 = std::numeric_limits<double>::infinity();
       for (const Index f : changed_) {
-        const Face& t = faces_[f];
-        const double d2 = squared_distance(originals_[original], positions_[t[0]], positions_[t[1]], positions_[t[2]]);
+        const double d2 = facet_of(faces_[f]).squared_distance(originals_[original]);
         if (d2 >= least2) continue;
         least2 = d2;
         home = f;
@@ -386,6 +373,7 @@ class Simplifier {
   std::size_t live_faces_ = 0;
   std::vector<Index> changed_, gone_, besides_;
   std::vector<std::array<Vector3d, 3>> triangles_;
+  std::vector<Facet> facets_;  // of triangles_
 };
 
 }  // namespace

@@ -29,6 +29,9 @@ class Tetrahedra {
   [[nodiscard]] const std::vector<Eigen::Vector3d>& corners() const noexcept { return corners_; }
   [[nodiscard]] const Eigen::Vector3d& corner(CornerId id) const noexcept { return corners_[id]; }
 
+  /// The whole tetrahedra at a corner.
+  [[nodiscard]] const std::vector<TetId>& around(CornerId id) const noexcept { return around_[id]; }
+
   /// Halves a whole tetrahedron, and whatever must be halved so that faces still meet. New ones are appended.
   void halve(TetId tet);
 
