@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -79,27 +79,30 @@ ComponentShape shape_of(const Mesh& mesh, std::span<const FaceId> faces) {
   shape.context = context_of(samples, ball);
   shape.centroid = ball.centre;
   if (samples.empty()) return shape;
-  shape.centroid.setZero();
+  Vector3d first = Vector3d::Zero();  // moments about the ball's centre
+  Matrix3d second = Matrix3d::Zero();
   for (const SurfaceSample& s : samples) {
+    const Vector3d x = s.point - ball.centre;
+    const Vector3d weighted = s.area * x;
     shape.area += s.area;
-    shape.centroid += s.area * s.point;
+    first += weighted;
+    second += weighted * x.transpose();
   }
-  shape.centroid /= shape.area;
-  Matrix3d covariance = Matrix3d::Zero();
-  for (const SurfaceSample& s : samples) {
-    const Vector3d x = s.point - shape.centroid;
-    covariance += s.area / shape.area * x * x.transpose();
-  }
+  first /= shape.area;
+  shape.centroid += first;
+  const Matrix3d covariance = second / shape.area - first * first.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(covariance);
   shape.axes = principal.eigenvectors().rowwise().reverse();
   if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
   shape.spread = principal.eigenvalues().reverse().cwiseMax(0);
   const double rms = std::sqrt(shape.spread.sum());
   if (!(rms > 0)) return shape;
+  const Matrix3d to_axes = shape.axes.transpose() / rms;
   for (const SurfaceSample& s : samples) {
-    const Vector3d x = shape.axes.transpose() * (s.point - shape.centroid) / rms;
+    const Vector3d x = to_axes * (s.point - shape.centroid);
+    const double share = s.area / shape.area;
     for (std::size_t m = 0; m < kCubic.size(); ++m)
-      shape.skew[m] += s.area / shape.area * x[kCubic[m][0]] * x[kCubic[m][1]] * x[kCubic[m][2]];
+      shape.skew[m] += share * x[kCubic[m][0]] * x[kCubic[m][1]] * x[kCubic[m][2]];
   }
   return shape;
 }
@@ -162,17 +165,22 @@ Turns turns_of_copies(const Mesh& mesh, std::span<const FaceId> match, const Com
 }
 
 std::string percent(double likeness) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%.0f %%", 100 * likeness);
-  return text.data();
+  return std::to_string(std::lround(100 * likeness)) + " %";
 }
 
 /// "1.5 times as large", or nothing.
 std::string size_in_words(double match_over_reference) {
   if (std::abs(match_over_reference - 1) < 0.01) return ", of the same size";
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), ", %.3g times as large", match_over_reference);
-  return text.data();
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.begin(), digits.end(), match_over_reference, std::chars_format::general, 3);
+  return ", " + std::string(digits.data(), end.ptr) + " times as large";
+}
+
+/// In blocks of memory, where a vector's own constructor goes face by face.
+std::vector<FaceId> copy_of(std::span<const FaceId> faces) {
+  std::vector<FaceId> copy(faces.size());
+  std::copy(faces.begin(), faces.end(), copy.begin());
+  return copy;
 }
 
 }  // namespace
@@ -223,6 +231,7 @@ Expected<Expansion> ComponentIndex::expand(FaceId face) const {
   const ComponentShape& reference = shapes_[*chosen];
   std::vector<Candidate> candidates;
   std::vector<Rejected> rejected;
+  candidates.reserve(size());
   for (std::size_t c = 0; c < size(); ++c) {
     if (c == *chosen) continue;
     const ComponentShape& shape = shapes_[c];
@@ -232,29 +241,28 @@ Expected<Expansion> ComponentIndex::expand(FaceId face) const {
       continue;
     }
     const double scale = std::sqrt(reference.spread.sum() / shape.spread.sum());
-    Turns turns = turns_of_axes(shape, reference);
-    bool mirrored = turns.prefer_mirrored(0.01);
-    bool copy = false;
+    std::optional<Turns> turns;
+    bool mirrored = false;
     if (its_faces.size() == faces(*chosen).size()) {
       const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, faces(*chosen), reference, scale);
-      const bool image = of_copies.prefer_mirrored(1e-6);
-      if ((image ? of_copies.mirrored : of_copies.proper).misfit < kCopy) {
-        turns = of_copies;
-        mirrored = image;
-        copy = true;
-      }
+      mirrored = of_copies.prefer_mirrored(1e-6);
+      if ((mirrored ? of_copies.mirrored : of_copies.proper).misfit < kCopy) turns = of_copies;
+    }
+    const bool copy = turns.has_value();
+    if (!copy) {
+      turns = turns_of_axes(shape, reference);
+      mirrored = turns->prefer_mirrored(0.01);
     }
     const double score = 1 - chi_square(shape.context, reference.context);
-    Match match{.faces = {its_faces.begin(), its_faces.end()}, .score = score, .mirrored = mirrored};
-    const Matrix3d A = scale * (mirrored ? turns.mirrored : turns.proper).reference_from_match;
+    Match match{.faces = copy_of(its_faces), .score = score, .mirrored = mirrored};
+    const Matrix3d A = scale * (mirrored ? turns->mirrored : turns->proper).reference_from_match;
     match.reference_from_match.topLeftCorner<3, 3>() = A;
     match.reference_from_match.topRightCorner<3, 1>() = reference.centroid - A * shape.centroid;
     match.reason = (copy ? "a copy" : "area lies " + percent(score) + " alike about the centre") +
                    (mirrored ? ", mirrored" : "") + size_in_words(1 / scale);
     candidates.push_back({std::move(match), shape.context});
   }
-  const auto all = faces(*chosen);
-  return Expansion({all.begin(), all.end()}, std::move(candidates), std::move(rejected));
+  return Expansion(copy_of(faces(*chosen)), std::move(candidates), std::move(rejected));
 }
 
 }  // namespace armature::sdk

@@ -61,10 +61,15 @@ EnclosingBall smallest_enclosing_ball(std::span<const Vector3d> points) {
   std::vector<Vector3d> support = {points[0]};
   EnclosingBall ball{points[0], 0};
   for (;;) {
-    const auto farthest =
-        std::ranges::max_element(points, {}, [&](const Vector3d& p) { return (p - ball.centre).squaredNorm(); });
-    if ((*farthest - ball.centre).norm() <= ball.radius * (1 + kRounding)) return ball;
-    support.push_back(*farthest);
+    std::size_t farthest = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (const double distance2 = (points[i] - ball.centre).squaredNorm(); distance2 > most) {
+        most = distance2;
+        farthest = i;
+      }
+    if (std::sqrt(most) <= ball.radius * (1 + kRounding)) return ball;
+    support.push_back(points[farthest]);
     const EnclosingBall next = around_few(support);
     if (!(next.radius > ball.radius) || !std::isfinite(next.radius)) return ball;  // rounding decides no more
     ball = next;

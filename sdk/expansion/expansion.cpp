@@ -53,6 +53,7 @@ void Expansion::judge(std::size_t place, Verdict verdict) {
 }
 
 double Expansion::relevance(const Judged& judged) const {
+  if (verdicts_ == 0) return judged.likeness;
   double s = judged.likeness;
   double n = 0;
   for (const Judged& other : judged_) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,30 +8,23 @@
 #include <armature/sdk/expansion/patch_map.h>
 #include <armature/sdk/selection/surface.h>
 
+#include "sdk/expansion/polar_relief.h"
 #include "sdk/expansion/surface_samples.h"
 
 namespace armature::sdk {
 
-/// How a surface rises around an axis: mean heights and areas in rings and sectors, the rings of equal width.
-struct PolarRelief {
-  static constexpr std::size_t kRings = 5;
-  static constexpr std::size_t kSectors = 48;
-  template <class T>
-  using Cells = std::array<std::array<T, kSectors>, kRings>;
-
-  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< columns: where angles begin, across, and the mean normal
-  Cells<double> height = {};                            ///< over the centre, of the radius
-  Cells<double> area = {};                              ///< of the radius squared
-};
+/// Where a similarity takes a point.
+[[nodiscard]] inline Eigen::Vector3d apply(const Eigen::Matrix4d& T, const Eigen::Vector3d& point) {
+  return T.topLeftCorner<3, 3>() * point + T.topRightCorner<3, 1>();
+}
 
 /// What is near a place of a surface and hangs together with it.
 struct PatchSurroundings {
   Eigen::Vector3d centre;
-  std::vector<FaceId> faces;
   std::vector<SurfaceSample> samples;  ///< a few hundred
   PolarRelief relief;
 
-  /// Faces and samples within `reach`, the relief within `radius`.
+  /// Samples within `reach`, the relief within `radius`.
   PatchSurroundings(const Surface& surface, VertexId at, double radius, double reach);
 };
 
@@ -44,6 +36,9 @@ struct Registration {
   double fit = 0;         ///< how well the surfaces lie on one another, in [0, 1]
   double misfit = 0;      ///< mean square of how far they lie apart, of means over cells, of the radius squared
 };
+
+/// The border of a patch, as a mesh of faces that are edges.
+[[nodiscard]] Mesh border_of(const Surface& surface, std::span<const FaceId> patch);
 
 /// The reference of an expansion, ready to be laid onto other places.
 class PatchReference {
@@ -60,8 +55,10 @@ class PatchReference {
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
 
  private:
-  /// Improves a registration over about so many samples.
-  void improve(const Surface& target, Registration& registration, double scale, std::size_t samples, int rounds) const;
+  /// Improves a registration over about so many samples. `find(i, point)` gives the target near the i-th sample, which
+  /// has come to lie there, or nothing.
+  template <class Find>
+  void improve(Registration& registration, double scale, std::size_t samples, int rounds, const Find& find) const;
 
   const Surface* surface_;
   PatchBall ball_;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -12,11 +11,28 @@
 namespace armature::sdk {
 
 /// The middle of a face's corners.
-[[nodiscard]] Eigen::Vector3d middle(const Mesh& mesh, FaceId face);
+[[nodiscard]] inline Eigen::Vector3d middle(const Mesh& mesh, FaceId face) {
+  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+}
 
-/// What hangs together, by edges, with some faces and is wanted; the seeds that are wanted first. In the order in which
-/// it is reached.
+/// What hangs together, by edges, with some faces and is wanted (`bool wanted(FaceId)`); the seeds that are wanted
+/// first. In the order in which it is reached.
+template <class Wanted>
 [[nodiscard]] std::vector<FaceId> flood(const Adjacency& adjacency, std::span<const FaceId> seeds, std::size_t faces,
-                                        const std::function<bool(FaceId)>& wanted);
+                                        const Wanted& wanted) {
+  std::vector<bool> seen(faces);
+  std::vector<FaceId> reached;
+  const auto reach = [&](FaceId face) {
+    if (seen[face.index()]) return;
+    seen[face.index()] = true;
+    if (wanted(face)) reached.push_back(face);
+  };
+  for (const FaceId face : seeds) reach(face);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    for (const EdgeId edge : adjacency.edges(reached[i]))
+      if (edge.valid())
+        for (const FaceId next : adjacency.faces(edge)) reach(next);
+  return reached;
+}
 
 }  // namespace armature::sdk

@@ -7,6 +7,7 @@
 #include <armature/sdk/expansion/patch_map.h>
 #include <gtest/gtest.h>
 
+#include "sdk/expansion/sample_grid.h"
 #include "tests/sdk/mesh/surfaces.h"
 #include "tests/sdk/selection/table.h"
 
@@ -67,6 +68,22 @@ TEST(PatchContexts, OfAFlatSurfaceGrowWithTheDistance) {
     for (std::size_t column = 1; column < PatchContexts::kAngles; ++column)
       EXPECT_EQ(context[row * PatchContexts::kAngles + column], 0);
   }
+}
+
+TEST(SampleGrid, KnowsWhatIsNearAPoint) {
+  const Mesh mesh = table_with_bumps();
+  std::vector<FaceId> all;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) all.emplace_back(f);
+  const SampleGrid grid(samples_of(mesh, all, 1e-3), Vector3d::Zero(), 1.2);  // cells of side 0.1
+  for (const Vector3d& point : {Vector3d(0, 0, 0.05), Vector3d(0.9, -0.9, -0.2), Vector3d(-0.5, -0.5, 0.2)}) {
+    const SurfaceSample* near = grid.near(point);
+    ASSERT_NE(near, nullptr);
+    EXPECT_LT((near->point - point).norm(), 0.3);
+    EXPECT_GT(near->normal.z(), 0.3);
+    EXPECT_NEAR(near->normal.norm(), 1, 1e-12);
+  }
+  EXPECT_EQ(grid.near({0, 0, 1}), nullptr);
+  EXPECT_EQ(grid.near({0, 0, 9}), nullptr);
 }
 
 TEST(PatchExpansion, FindsTheLikesOfABump) {
