@@ -75,6 +75,23 @@ struct SparseFactor::State {
             static_cast<Index>(structure->width(block))};
   }
 
+  /// The blocks that hold the vertices, and all above them, children first.
+  template <class Elements, class VertexOf>
+  std::vector<std::uint32_t> blocks_above(const Elements& elements, VertexOf&& vertex_of) const {
+    std::vector<bool> seen(structure->blocks(), false);
+    std::vector<std::uint32_t> blocks;
+    for (const auto& element : elements)
+      for (std::uint32_t block = structure->block_of[structure->new_place[vertex_of(element).index()]];
+           block != BlockStructure::kRoot && !seen[block]; block = structure->parents[block]) {
+        seen[block] = true;
+        blocks.push_back(block);
+      }
+    std::sort(blocks.begin(), blocks.end());
+    return blocks;
+  }
+
+  /// x = L^-1 b in the new order, where only blocks above an entry differ from zero.
+  MatrixXd forward(std::span<const Entry> b) const;
   /// x = L^-1 x for the rows of a block, and what that takes from the rows below; x in the new order.
   void forward(std::size_t block, Eigen::Ref<MatrixXd> x) const;
   /// x = L^-T x for the rows of a block, given those below.
@@ -326,6 +343,13 @@ void SparseFactor::State::forward(std::size_t block, Eigen::Ref<MatrixXd> x) con
   for (std::size_t i = 0; i < rows.size(); ++i) x.row(rows[i]) -= taken.row(static_cast<Index>(i));
 }
 
+MatrixXd SparseFactor::State::forward(std::span<const Entry> b) const {
+  MatrixXd x = MatrixXd::Zero(static_cast<Index>(structure->order.size()), 1);
+  for (const auto& [vertex, value] : b) x(structure->new_place[vertex.index()], 0) += value;
+  for (const std::uint32_t block : blocks_above(b, [](const Entry& entry) { return entry.vertex; })) forward(block, x);
+  return x;
+}
+
 void SparseFactor::State::backward(std::size_t block, Eigen::Ref<MatrixXd> x) const {
   const ConstPanel L = panel(block);
   const auto rows = structure->rows(block);
@@ -389,24 +413,19 @@ void SparseFactor::solve(Eigen::Ref<MatrixXd> b) const {
 
 Eigen::VectorXd SparseFactor::solve(std::span<const Entry> b) const {
   const BlockStructure& structure = *state_->structure;
-  const auto n = static_cast<Index>(structure.order.size());
-  MatrixXd x = MatrixXd::Zero(n, 1);
-  // Forward, only blocks above an entry differ from zero.
-  std::vector<std::uint32_t> path;
-  for (const auto& [vertex, value] : b) {
-    const std::uint32_t column = structure.new_place[vertex.index()];
-    x(column, 0) += value;
-    for (std::uint32_t block = structure.block_of[column]; block != BlockStructure::kRoot;
-         block = structure.parents[block])
-      path.push_back(block);
-  }
-  std::sort(path.begin(), path.end());
-  path.erase(std::unique(path.begin(), path.end()), path.end());
-  for (const std::uint32_t block : path) state_->forward(block, x);
+  MatrixXd x = state_->forward(b);
   state_->backward(x);
-  Eigen::VectorXd result(n);
-  for (Index i = 0; i < n; ++i) result[structure.order[static_cast<std::size_t>(i)]] = x(i, 0);
+  Eigen::VectorXd result(x.rows());
+  for (Index i = 0; i < x.rows(); ++i) result[structure.order[static_cast<std::size_t>(i)]] = x(i, 0);
   return result;
+}
+
+void SparseFactor::solve(std::span<const Entry> b, std::span<const VertexId> wanted, std::span<double> x) const {
+  const BlockStructure& structure = *state_->structure;
+  MatrixXd y = state_->forward(b);
+  const auto blocks = state_->blocks_above(wanted, [](VertexId vertex) { return vertex; });
+  for (std::size_t i = blocks.size(); i-- > 0;) state_->backward(blocks[i], y);
+  for (std::size_t i = 0; i < wanted.size(); ++i) x[i] = y(structure.new_place[wanted[i].index()], 0);
 }
 
 }  // namespace armature::sdk

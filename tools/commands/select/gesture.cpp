@@ -3,72 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <initializer_list>
-#include <iterator>
-#include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "tools/commands/choices.h"
+#include "tools/commands/input_json.h"
 
 namespace armature::tools {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr std::size_t kLargestFile = std::size_t{1} << 26U;
-
-/// A text from a hostile file as messages show it: short and printable.
-std::string shown(std::string_view text) {
-  std::string result;
-  for (const char c : text.substr(0, 40)) result += c >= ' ' && c <= '~' ? c : '?';
-  return '"' + result + (text.size() > 40 ? "...\"" : "\"");
-}
-
-std::string shown_value(const Json& value) {
-  if (value.is_string()) return shown(value.get_ref<const std::string&>());
-  if (value.is_structured()) return value.is_array() ? "a list" : "an object";
-  return value.dump(-1, ' ', true, Json::error_handler_t::replace);
-}
+using Json = InputJson::Json;
 
 /// The gesture's JSON as the reader walks it: every failure names the file and the place.
-class Reader {
+class Reader : public InputJson {
  public:
-  Reader(std::string_view name, std::size_t faces) : name_(name), faces_(faces) {}
-
-  Expected<Json> parse(std::string_view bytes) const {
-    std::vector<std::set<std::string>> keys;  // by depth, of the objects that are open
-    std::optional<std::string> twice;
-    const auto look = [&](int, Json::parse_event_t event, Json& value) {
-      if (event == Json::parse_event_t::object_start) keys.emplace_back();
-      if (event == Json::parse_event_t::object_end) keys.pop_back();
-      if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        twice = value.get<std::string>();
-      return true;
-    };
-    try {
-      Json json = Json::parse(bytes.begin(), bytes.end(), look);
-      if (twice) return refuse(shown(*twice), "stands there twice; keep one");
-      return json;
-    } catch (const Json::parse_error& error) {
-      const std::string_view before = bytes.substr(0, error.byte);
-      const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-      const std::size_t column = before.size() - std::min(before.size(), before.rfind('\n') + 1);
-      return fail(
-          fmt::format("{}, line {}, column {}: is no JSON; expected a gesture as in {{\"tool\":\"component\","
-                      "\"face\":0}}",
-                      name_, line, std::max<std::size_t>(1, column)));
-    } catch (const Json::exception&) {
-      return fail(fmt::format("{}: holds a number that is too large; expected finite numbers", name_));
-    }
-  }
+  Reader(std::string_view name, std::size_t faces)
+      : InputJson(name, "a gesture as in {\"tool\":\"component\",\"face\":0}"), name_(name), faces_(faces) {}
 
   Expected<Gesture> gesture(const Json& json) const {
     if (!json.is_object()) return fail(fmt::format("{}: expected an object, found {}", name_, shown_value(json)));
@@ -138,7 +92,7 @@ class Reader {
     const bool has_eye = json.contains("eye");
     if (has_eye == json.contains("direction"))
       return refuse("\"eye\"", "expected either \"eye\", where the picture is seen from, or its \"direction\"");
-    const auto view = point(json[has_eye ? "eye" : "direction"], has_eye ? "\"eye\"" : "\"direction\"");
+    const auto view = vector(json[has_eye ? "eye" : "direction"], has_eye ? "\"eye\"" : "\"direction\"");
     if (!view) return tl::unexpected(view.error());
     if (has_eye)
       gesture.drawn.seen_from = sdk::Eye{*view};
@@ -196,29 +150,11 @@ class Reader {
     Stroke points;
     points.reserve(json.size());
     for (std::size_t i = 0; i < json.size(); ++i) {
-      const auto one = point(json[i], fmt::format("{}[{}]", place, i));
+      const auto one = vector(json[i], fmt::format("{}[{}]", place, i));
       if (!one) return tl::unexpected(one.error());
       points.push_back(*one);
     }
     return points;
-  }
-
-  Expected<Eigen::Vector3d> point(const Json& json, const std::string& place) const {
-    const auto fits = [](const Json& number) { return number.is_number() && std::isfinite(number.get<double>()); };
-    if (!json.is_array() || json.size() != 3 || !std::ranges::all_of(json, fits))
-      return refuse(place, "expected three finite numbers [x,y,z], found " + shown_value(json));
-    return Eigen::Vector3d(json[0].get<double>(), json[1].get<double>(), json[2].get<double>());
-  }
-
-  Expected<void> only_keys(const Json& json, std::initializer_list<std::string_view> known) const {
-    for (const auto& [key, value] : json.items())
-      if (std::ranges::find(known, key) == known.end())
-        return refuse(shown(key), fmt::format("is no key of this tool; it has {}", fmt::join(known, ", ")));
-    return {};
-  }
-
-  [[nodiscard]] tl::unexpected<Error> refuse(const std::string& place, const std::string& what) const {
-    return fail(fmt::format("{}, {}: {}", name_, place, what));
   }
 
   std::string_view name_;
@@ -232,21 +168,14 @@ const std::array<std::pair<const char*, Reader::Tool>, 4> Reader::kTools = {
 
 Expected<Gesture> parse_gesture(std::string_view bytes, std::string_view name, std::size_t faces) {
   if (faces == 0) return fail(fmt::format("{}: the mesh has no face to select", name));
-  if (bytes.size() > kLargestFile) return fail(fmt::format("{}: is larger than 64 MB; draw shorter strokes", name));
   const Reader reader(name, faces);
   return reader.parse(bytes).and_then([&](const Json& json) { return reader.gesture(json); });
 }
 
 Expected<Gesture> read_gesture(const std::string& file, std::size_t faces) {
-  std::ifstream in(file, std::ios::binary);
-  std::string bytes;
-  if (in) {
-    bytes.resize(kLargestFile + 1);
-    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    bytes.resize(static_cast<std::size_t>(in.gcount()));
-  }
-  if (in.bad() || !in.is_open()) return fail(file + ": cannot be read; expected a gesture as JSON");
-  return parse_gesture(bytes, file, faces);
+  return InputJson::read_file(file, "a gesture").and_then([&](const std::string& bytes) {
+    return parse_gesture(bytes, file, faces);
+  });
 }
 
 }  // namespace armature::tools

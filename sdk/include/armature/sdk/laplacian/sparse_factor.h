@@ -44,6 +44,9 @@ class SparseFactor {
   };
   /// The solution for a right-hand side of few entries, which costs half as much.
   [[nodiscard]] Eigen::VectorXd solve(std::span<const Entry> b) const;
+  /// That solution at some vertices alone: x[i] is its value at wanted[i]. Costs what lies above the entries and the
+  /// wanted vertices in the elimination tree: little where both lie close together.
+  void solve(std::span<const Entry> b, std::span<const VertexId> wanted, std::span<double> x) const;
 
   /// How many vertices there are.
   [[nodiscard]] std::size_t size() const noexcept;

@@ -1,0 +1,107 @@
+#include "sdk/deformation/plane_sums.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "sdk/deformation/four.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Vector3d;
+using Corners = std::array<std::uint32_t, 3>;
+
+/// The channels of PlaneSums in their order, for four triangles at a time.
+constexpr std::size_t kChannels = 17;
+using Totals = std::array<double, kChannels>;
+
+ARMATURE_LANES void sum_triangles(const Corners* triangles, std::size_t count, const Vector3d* points,
+                                  const Vector3d& origin, Totals& totals) noexcept {
+  std::array<Four, kChannels> sums{};
+  for (std::size_t t = 0; t < count; t += 4) {
+    std::array<Four, 3> x{}, y{}, z{};
+    // Where there are fewer the others lie at the origin, without an area.
+    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - t); ++lane)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3d& p = points[triangles[t + lane][k]];
+        x[k][lane] = p.x(), y[k][lane] = p.y(), z[k][lane] = p.z();
+      }
+    const Four px = x[0] - origin.x(), py = y[0] - origin.y(), pz = z[0] - origin.z();
+    const Four ux = x[1] - x[0], uy = y[1] - y[0], uz = z[1] - z[0];
+    const Four vx = x[2] - x[0], vy = y[2] - y[0], vz = z[2] - z[0];
+    const Four nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    const Four squared = nx * nx + ny * ny + nz * nz;
+    Four size;
+    for (std::size_t lane = 0; lane < 4; ++lane) size[lane] = std::sqrt(squared[lane]);
+    const Four inverse = 1 / (size + 1e-300);
+    const Four d = nx * px + ny * py + nz * pz;
+    const Four hx = nx * inverse, hy = ny * inverse, hz = nz * inverse;
+    sums[0] += nx * hx, sums[1] += nx * hy, sums[2] += nx * hz;
+    sums[3] += ny * hy, sums[4] += ny * hz, sums[5] += nz * hz;
+    sums[6] += nx, sums[7] += ny, sums[8] += nz;
+    sums[9] += size;
+    sums[10] += hx * d, sums[11] += hy * d, sums[12] += hz * d;
+    sums[13] += d;
+    sums[14] += size * (px + (ux + vx) / 3), sums[15] += size * (py + (uy + vy) / 3);
+    sums[16] += size * (pz + (uz + vz) / 3);
+  }
+  for (std::size_t k = 0; k < kChannels; ++k) totals[k] = (sums[k][0] + sums[k][1]) + (sums[k][2] + sums[k][3]);
+}
+
+}  // namespace
+
+PlaneSums& PlaneSums::operator+=(const PlaneSums& other) noexcept {
+  for (std::size_t k = 0; k < nn.size(); ++k) nn[k] += other.nn[k];
+  for (std::size_t k = 0; k < 3; ++k) n[k] += other.n[k], nd[k] += other.nd[k], g[k] += other.g[k];
+  size += other.size;
+  d += other.d;
+  return *this;
+}
+
+void PlaneSums::add_cell(const Vector3d& p, const Vector3d& q, const Vector3d& r) noexcept {
+  const Vector3d N = (q - p).cross(r - p) / 3;
+  const double length = N.norm();
+  if (!(length > 0)) return;
+  // Two triangles of equal area, from p to the middle of a side and the middle of all.
+  const Vector3d middle = (p + ((p + q) + (p + r)) / 4 + (p + q + r) / 3) / 3;
+  PlaneSums cell;
+  const Vector3d unit = N / length;
+  const double at = N.dot(p);
+  cell.nn = {N.x() * unit.x(), N.x() * unit.y(), N.x() * unit.z(),
+             N.y() * unit.y(), N.y() * unit.z(), N.z() * unit.z()};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    cell.n[k] = N[axis];
+    cell.nd[k] = unit[axis] * at;
+    cell.g[k] = length * middle[axis];
+  }
+  cell.size = length;
+  cell.d = at;
+  *this += cell;
+}
+
+SphericalQuadric PlaneSums::quadric(double regularise) const noexcept {
+  // A face weighs |N| / 2, and A = 2 w (n;1)(n;1)', b = 2 w d (n;1) with n = N / |N|.
+  SphericalQuadric quadric;
+  const double hold = regularise * size;
+  quadric.a = {nn[0] + hold, nn[1], nn[2], n[0], nn[3] + hold, nn[4], n[1], nn[5] + hold, n[2], size};
+  for (std::size_t k = 0; k < 3; ++k) quadric.b[k] = nd[k] + regularise * g[k];
+  quadric.b[3] = d;
+  return quadric;
+}
+
+PlaneSums sum_of(std::span<const Corners> triangles, const std::vector<Vector3d>& points,
+                 const Vector3d& origin) noexcept {
+  Totals t;
+  sum_triangles(triangles.data(), triangles.size(), points.data(), origin, t);
+  return {.nn = {t[0], t[1], t[2], t[3], t[4], t[5]},
+          .n = {t[6], t[7], t[8]},
+          .size = t[9],
+          .nd = {t[10], t[11], t[12]},
+          .d = t[13],
+          .g = {t[14], t[15], t[16]}};
+}
+
+}  // namespace armature::sdk

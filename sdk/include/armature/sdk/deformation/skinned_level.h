@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <armature/sdk/deformation/skinning.h>
+#include <armature/sdk/deformation/sphere_weights.h>
+#include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/spheremesh/sphere_mesh.h>
+
+namespace armature::sdk {
+
+/// A level of spheres and the mesh that it moves.
+class SkinnedLevel {
+ public:
+  /// `mesh` as it lies while no sphere has moved, with the spheres where they then are.
+  SkinnedLevel(SkinWeights weights, SphereMesh shape, Mesh mesh);
+
+  [[nodiscard]] const SkinWeights& weights() const noexcept { return weights_; }  ///< of its spheres
+  [[nodiscard]] const SphereMesh& shape() const noexcept { return shape_; }       ///< while nothing has moved
+  [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }               ///< while nothing has moved
+
+  /// Where all vertices go, [V]. Where spheres swell, the surface goes away from the nearest point of the sphere-mesh
+  /// by what they swell, more or less where it lies farther out or further in: a tube becomes thicker, not longer. Then
+  /// comes `skin()`. The first time that a sphere swells, what it reaches is looked at. Not thread-safe.
+  void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out);
+
+ private:
+  void find_outward(const WeightColumn& column);
+
+  SkinWeights weights_;
+  SphereMesh shape_;
+  Mesh mesh_;
+  std::vector<Eigen::Vector3d> outward_;  // by vertex: where it goes when its sphere swells by 1; empty or found
+  std::vector<bool> found_;
+};
+
+}  // namespace armature::sdk
