@@ -186,6 +186,7 @@ uniform sampler2D normal_map;
 uniform sampler2D depth_map;
 uniform sampler2D solid_depth_map;  // of what is not glass
 uniform bool glass;
+uniform bool obscurance;
 uniform vec2 tangents;        // half the view's width and height at depth 1
 uniform vec2 depth_of_clip;   // z = -y / (ndc + x)
 uniform float reach;          // how far obscurance reaches, in units of the view
@@ -240,7 +241,7 @@ void main() {
   vec3 n = normalize(texelFetch(normal_map, pixel, 0).xyz);
   vec3 p = point_at(pixel);
   vec3 to_eye = normalize(-p);
-  float open = glass ? 1 : openness(pixel, p, n);
+  float open = glass || !obscurance ? 1 : openness(pixel, p, n);
 
   // Key from above left, fill from the right, sky and ground.
   const vec3 kKey = normalize(vec3(-0.45, 0.75, 0.65)), kFill = normalize(vec3(0.85, 0.15, 0.5));

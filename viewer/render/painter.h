@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <armature/sdk/error.h>
+
+#include "viewer/render/camera.h"
+#include "viewer/render/drawing.h"
+#include "viewer/render/gl_objects.h"
+#include "viewer/render/image.h"
+
+namespace armature::viewer {
+
+/// How carefully a picture is painted.
+struct PaintOptions {
+  int samples_a_side = 0;  ///< of a pixel; 0: as many as a picture of that size affords, three at most
+  bool obscurance = true;  ///< corners and clefts are darker; else light depends on the normal alone, as in a matcap
+};
+
+/// Paints drawings with the context that is current, into a picture of its own: depth-tested against one another,
+/// spheres and cones ray-cast for every sample. Made, used and deleted while that context is current.
+class Painter {
+ public:
+  /// Fails with the driver's complaint.
+  [[nodiscard]] static sdk::Expected<Painter> create();
+
+  /// Paints drawings over the first one's background; the camera must have been fitted to that aspect. Leaves
+  /// `framebuffer()` bound. Fails where the card cannot hold a picture of that size.
+  [[nodiscard]] sdk::Expected<void> paint(std::span<const Drawing* const> drawings, const Camera& camera, int width,
+                                          int height, const PaintOptions& options = {});
+
+  ///@{
+  /// Where the last picture is: sRGB bytes, the lowest row first.
+  [[nodiscard]] GLuint framebuffer() const noexcept { return pixels_.get(); }
+  [[nodiscard]] GLuint texture() const noexcept { return picture_.get(); }
+  ///@}
+
+ private:
+  struct View;  // the camera as the card takes it, for one drawing
+  Painter() = default;
+  sdk::Expected<void> resize(int width, int height, int samples);
+  void draw_layer(std::span<const Drawing* const> drawings, Layer layer, const Camera& camera);
+  void light_layer(const Drawing& first, Layer layer, const Camera& camera, const PaintOptions& options);
+  void resolve();
+  void draw_whole_picture() const;
+  void use(const GlProgram& program);
+  void use(const GlProgram& program, const View& view);
+  [[nodiscard]] GLint place(const char* name) const { return glGetUniformLocation(program_, name); }
+  void set(const char* name, float value) const { glUniform1f(place(name), value); }
+  void set(const char* name, const std::array<float, 3>& value) const { glUniform3fv(place(name), 1, value.data()); }
+  void set_texture(const char* name, GLint unit, const GlTexture& texture) const;
+
+  GlProgram triangles_, balls_, cones_, light_, resolve_;
+  GLuint program_ = 0;  // the one in use
+  GlVertexArray no_input_;
+  int width_ = 0, height_ = 0, samples_ = 1;
+  GlTexture albedo_, normal_, lit_, picture_;
+  std::array<GlTexture, 2> depth_;         // by Layer
+  std::array<GlFramebuffer, 2> surfaces_;  // by Layer: albedo, normal, depth
+  GlFramebuffer lights_, pixels_;
+};
+
+/// What the framebuffer that is bound shows. Fails where OpenGL reports an error, of now or of before.
+[[nodiscard]] sdk::Expected<Image> read_picture(int width, int height);
+
+}  // namespace armature::viewer
