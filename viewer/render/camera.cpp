@@ -27,15 +27,18 @@ Eigen::Matrix3d upright(Up up) {
 
 }  // namespace
 
+Eigen::Matrix3d view_rotation(const View& view) {
+  using Eigen::AngleAxisd;
+  using Eigen::Vector3d;
+  return (AngleAxisd(view.elevation_rad, Vector3d::UnitX()) * AngleAxisd(-view.azimuth_rad, Vector3d::UnitY()))
+             .toRotationMatrix() *
+         upright(view.up);
+}
+
 CameraFit::CameraFit(const View& view, double aspect)
     : half_width_(std::tan(kHalfAngleRad) * std::min(1.0, aspect)),
       half_height_(std::tan(kHalfAngleRad) * std::min(1.0, 1 / aspect)) {
-  using Eigen::AngleAxisd;
-  using Eigen::Vector3d;
-  view_from_world_ =
-      (AngleAxisd(view.elevation_rad, Vector3d::UnitX()) * AngleAxisd(-view.azimuth_rad, Vector3d::UnitY()))
-          .toRotationMatrix() *
-      upright(view.up);
+  view_from_world_ = view_rotation(view);
 }
 
 void CameraFit::include(const sdk::Sphere& sphere) {

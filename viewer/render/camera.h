@@ -19,6 +19,9 @@ struct View {
   Up up = Up::Y;
 };
 
+/// Turns the world into the frame of a view: x right, y up, z towards the viewer.
+[[nodiscard]] Eigen::Matrix3d view_rotation(const View& view);
+
 /// A perspective camera without an aspect of its own: it looks along -z of its view frame (x right, y up), where the
 /// picture's edges lie at +-half_width and +-half_height times the depth.
 struct Camera {

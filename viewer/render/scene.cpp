@@ -48,14 +48,18 @@ std::array<float, 4> Scene::local(const sdk::Sphere& sphere) const {
 
 void Scene::add(const sdk::Mesh& mesh, const MeshStyle& style) {
   Content& content = content_of(style.layer);
-  const auto normals = corner_normals(mesh, style.crease_rad);
+  std::vector<std::array<Vector3d, 3>> found;
+  if (style.normals.empty()) found = corner_normals(mesh, style.crease_rad);
+  const auto normals = style.normals.empty() ? std::span<const std::array<Vector3d, 3>>(found) : style.normals;
   const std::uint8_t flags = style.wireframe ? kLines : 0;
   content.corners.reserve(content.corners.size() + 3 * mesh.triangles.size());
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t vertex = mesh.triangles[f][k].index();
       sdk::Colour colour = palette_.mesh;
-      if (!mesh.face_colours.empty()) {
+      if (!style.colours.empty()) {
+        colour = style.colours[f][k];
+      } else if (!mesh.face_colours.empty()) {
         colour = mesh.face_colours[f];
       } else if (!mesh.vertex_colours.empty()) {
         colour = mesh.vertex_colours[vertex];

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <armature/sdk/mesh/mesh.h>
@@ -24,6 +25,11 @@ struct MeshStyle {
   Layer layer = Layer::Solid;
   bool wireframe = false;   ///< its edges, over its faces
   double crease_rad = 0.6;  ///< edges sharper than this keep their faces apart in the shading
+  ///@{
+  /// By FaceId, of each corner, where the caller has them: `corner_normals()`, and colours instead of the mesh's own.
+  std::span<const std::array<Eigen::Vector3d, 3>> normals = {};
+  std::span<const std::array<sdk::Colour, 3>> colours = {};
+  ///@}
 };
 
 /// How a sphere-mesh is drawn.

@@ -1,0 +1,168 @@
+// What the window's view shows of sphere-meshes and meshes, held against exact rays. Skipped where OpenGL is not
+// available.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "viewer/app/view_painter.h"
+#include "viewer/render/gl_context.h"
+
+namespace armature::viewer {
+namespace {
+
+using Eigen::Vector3d;
+using sdk::SphereId;
+using sdk::VertexId;
+
+constexpr int kWidth = 480, kHeight = 320;
+constexpr double kAspect = 1.5;
+
+struct Stage {
+  std::unique_ptr<GlContext> context;
+  std::optional<ViewPainter> painter;
+};
+
+/// One for all tests.
+Stage* stage() {
+  static Stage stage = [] {
+    Stage made;
+    if (auto context = GlContext::create()) {
+      made.context = std::move(*context);
+      made.painter.emplace(std::move(*ViewPainter::create()));
+    }
+    return made;
+  }();
+  return stage.context ? &stage : nullptr;
+}
+
+class TheView : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (stage() == nullptr) GTEST_SKIP() << "no OpenGL here";
+    session.aspect = kAspect;
+  }
+  Image painted() {
+    const auto done = stage()->painter->paint(session, kWidth, kHeight, true);
+    EXPECT_TRUE(done) << done.error().message;
+    glBindFramebuffer(GL_FRAMEBUFFER, stage()->painter->picture());
+    auto image = read_picture(kWidth, kHeight);
+    EXPECT_TRUE(image) << image.error().message;  // no OpenGL error, too
+    return *image;
+  }
+  /// The line of sight through a place of the picture, in pixels from its upper left corner.
+  [[nodiscard]] sdk::Ray ray(double x, double y) const {
+    return session.camera.ray({(2 * x / kWidth - 1) * kAspect, 1 - 2 * y / kHeight});
+  }
+  Session session;
+};
+
+sdk::Colour at(const Image& image, int x, int y) {
+  const std::size_t first = 3 * static_cast<std::size_t>(y * image.width + x);
+  return {image.rgb[first], image.rgb[first + 1], image.rgb[first + 2]};
+}
+
+int difference(const sdk::Colour& a, const sdk::Colour& b) {
+  int most = 0;
+  for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(int{a[k]} - int{b[k]}));
+  return most;
+}
+
+/// Spheres of many sizes, edges and triangles between them, some of which cross.
+sdk::SphereMesh tangle(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * (random() / 4294967296.0); };
+  sdk::SphereMesh shape;
+  for (int i = 0; i < 14; ++i)
+    shape.spheres.push_back({{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, uniform(0.02, 0.3)});
+  for (std::size_t i = 0; i + 1 < 6; ++i) shape.edges.push_back({SphereId(i), SphereId(i + 1)});
+  for (std::size_t i = 6; i + 2 < 14; ++i) shape.triangles.push_back({SphereId(i), SphereId(i + 1), SphereId(i + 2)});
+  return shape;
+}
+
+std::shared_ptr<Model> model_of(sdk::SphereMesh shape) {
+  auto model = std::make_shared<Model>();
+  model->name = "shape";
+  model->set_spheres(std::move(shape));
+  return model;
+}
+
+TEST_F(TheView, ShowsTheExactSilhouetteOfASphereMesh) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    session.models.clear();
+    session.add(model_of(tangle(seed)));
+    ASSERT_TRUE(session.execute("spheres surface"));
+    const Image image = painted();
+    ASSERT_TRUE(session.execute("spheres off"));
+    const Image empty = painted();
+    const sdk::SphereMeshTree tree(session.models.front()->spheres->shape);
+    int both = 0, either = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool seen = difference(at(image, x, y), at(empty, x, y)) > 2;
+        bool covered = false;  // at one of the pixel's nine samples
+        for (const double dy : {1 / 6.0, 3 / 6.0, 5 / 6.0})
+          for (const double dx : {1 / 6.0, 3 / 6.0, 5 / 6.0})
+            covered = covered || tree.intersect(ray(x + dx, y + dy)).has_value();
+        both += seen && covered ? 1 : 0;
+        either += seen || covered ? 1 : 0;
+      }
+    }
+    ASSERT_GT(both, 5000);
+    EXPECT_GE(static_cast<double>(both) / either, 0.99) << "intersection over union, seed " << seed;
+    RecordProperty("iou", std::to_string(static_cast<double>(both) / either));
+  }
+}
+
+/// A square wall at x + z = 0, green, through the middle of the tangle.
+sdk::Mesh wall() {
+  sdk::Mesh mesh;
+  mesh.positions = {{-1.2, -1.2, 1.2}, {1.2, -1.2, -1.2}, {1.2, 1.2, -1.2}, {-1.2, 1.2, 1.2}};
+  mesh.triangles = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(0), VertexId(2), VertexId(3)}};
+  mesh.face_colours.assign(2, {0, 160, 0});
+  return mesh;
+}
+
+TEST_F(TheView, ShowsSphereMeshesAndMeshesInTheOrderOfTheirDepths) {
+  auto model = model_of(tangle(4));
+  model->mesh = std::make_shared<const MeshShape>(wall());
+  session.add(model);
+  ASSERT_TRUE(session.execute("camera 90 10"));
+  const Image image = painted();
+  int wrong = 0, of_wall = 0, of_spheres = 0;
+  for (int y = 1; y + 1 < kHeight; ++y) {
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      // Where all corners of the pixel agree there is no doubt about it.
+      int walls = 0, spheres = 0;
+      for (const double dy : {0.0, 1.0}) {
+        for (const double dx : {0.0, 1.0}) {
+          const auto found = session.pick({(2 * (x + dx) / kWidth - 1) * kAspect, 1 - 2 * (y + dy) / kHeight});
+          walls += found && found->face.valid() ? 1 : 0;
+          spheres += found && found->sphere.valid() ? 1 : 0;
+        }
+      }
+      if (walls != 4 && spheres != 4) continue;
+      const sdk::Colour colour = at(image, x, y);
+      // The wall is seen from either side; its back has a colour without green.
+      const bool green = colour[1] > colour[0] + 15 && colour[1] > colour[2] + 15;
+      const bool purple = colour[0] > colour[1] + 8 && colour[2] > colour[1] + 8;
+      wrong += (walls == 4) != (green || purple) ? 1 : 0;
+      of_wall += walls == 4 ? 1 : 0;
+      of_spheres += spheres == 4 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(of_wall, 2000);
+  EXPECT_GT(of_spheres, 2000);
+  EXPECT_LT(wrong, (of_wall + of_spheres) / 200) << "of " << of_wall + of_spheres << " pixels";
+}
+
+TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
+  session.add(model_of(tangle(5)));
+  const Image first = painted();
+  EXPECT_EQ(painted().rgb, first.rgb);
+  ASSERT_TRUE(session.execute("camera 40 20"));
+  EXPECT_NE(painted().rgb, first.rgb);
+}
+
+}  // namespace
+}  // namespace armature::viewer

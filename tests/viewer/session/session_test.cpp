@@ -1,0 +1,155 @@
+// The viewer without a window: lines, jobs, the camera, the path.
+#include "viewer/session/session.h"
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "viewer/session/arguments.h"
+#include "viewer/session/command.h"
+#include "viewer/session/job.h"
+#include "viewer/session/orbit_camera.h"
+#include "viewer/walk/path_task.h"
+
+namespace armature::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+using Words = std::vector<std::string>;
+
+TEST(Lines, AreWordsWithQuotesAndComments) {
+  EXPECT_EQ(*split_words("open  model.off # a comment"), (Words{"open", "model.off"}));
+  EXPECT_EQ(*split_words(R"(open "my \"best\" model.off" x#y)"), (Words{"open", R"(my "best" model.off)", "x#y"}));
+  EXPECT_TRUE(split_words("  # nothing")->empty());
+  EXPECT_FALSE(split_words("open \"model.off"));
+}
+
+TEST(Lines, KeepWordsOfAnyKind) {
+  for (const std::string word : {"plain", "two words", R"(a "quote")", R"(back\slash)", "#hash", ""})
+    EXPECT_EQ(*split_words("open " + as_word(word)), (Words{"open", word}));
+}
+
+TEST(Lines, AreRefusedWithWhatWasExpected) {
+  Session session;
+  const auto refused = [&](const std::string& line) {
+    const auto done = session.execute(line);
+    return done ? std::string("carried out") : done.error().message;
+  };
+  EXPECT_EQ(refused("fly"), "fly is no command; `help` lists them");
+  EXPECT_EQ(refused("tool hammer"), "tool: tool: expected one of look, click, cut, brush, lasso, found hammer");
+  EXPECT_EQ(refused("camera 0 far"), "camera: elevation in degrees: expected a number from -89 to 89, found far");
+  EXPECT_EQ(refused("camera 0 nan"), "camera: elevation in degrees: expected a number from -89 to 89, found nan");
+  EXPECT_EQ(refused("fit now"), "fit: expected nothing more, found now");
+  EXPECT_EQ(refused("expand"), "expand: nothing is open; open a model first");
+  EXPECT_EQ(refused("rerest"), "rerest: no daemon is connected; connect to one, or start one on a synthetic person");
+  EXPECT_TRUE(session.log().empty());
+  EXPECT_TRUE(session.notice_is_error);
+}
+
+TEST(Lines, OfACameraThatMovesCountOnce) {
+  Session session;
+  for (const char* line : {"camera 10 10", "camera 20 10", "wireframe on", "camera 30 10", "camera 40 10"})
+    ASSERT_TRUE(session.execute(line));
+  EXPECT_EQ(session.log(), (Words{"camera 20 10", "wireframe on", "camera 40 10"}));
+}
+
+TEST(Commands, HaveOneMeaningEach) {
+  for (const auto group :
+       {file_commands(), view_commands(), sphere_commands(), select_commands(), walk_commands(), script_commands()})
+    for (const Command& command : group) EXPECT_EQ(find_command(command.name), &command) << command.name;
+}
+
+std::optional<sdk::Expected<void>> waited_for(Job& job) {
+  for (;;) {
+    if (auto done = job.poll()) return done;
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+TEST(Jobs, ChangeThingsOnTheCallersThreadOnceTheyAreDone) {
+  Job job;
+  std::thread::id changed_by;
+  job.start("counting", [&](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+    task.report("half", 0.5);
+    return Job::Apply([&] { changed_by = std::this_thread::get_id(); });
+  });
+  EXPECT_TRUE(job.running());
+  EXPECT_TRUE(waited_for(job)->has_value());
+  EXPECT_EQ(changed_by, std::this_thread::get_id());
+  EXPECT_FALSE(job.running());
+}
+
+TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
+  Job job;
+  bool changed = false;
+  job.start("waiting", [&](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+    while (!task.stopped()) std::this_thread::sleep_for(1ms);
+    return sdk::cancelled();
+  });
+  job.cancel();
+  const auto done = waited_for(job);
+  ASSERT_FALSE(done->has_value());
+  EXPECT_EQ(done->error().kind, sdk::ErrorKind::Cancelled);
+  EXPECT_FALSE(changed);
+}
+
+TEST(Jobs, ThatRunOutOfMemoryFailInWords) {
+  Job job;
+  job.start("growing", [](const sdk::Task&) -> sdk::Expected<Job::Apply> { throw std::bad_alloc(); });
+  const auto done = waited_for(job);
+  ASSERT_FALSE(done->has_value());
+  EXPECT_NE(done->error().message.find("memory"), std::string::npos);
+}
+
+TEST(OrbitCamera, SeesAPointWhereItsRayGoes) {
+  OrbitCamera camera;
+  camera.orbit(0.4, 0.3);
+  camera.target = {1, 2, 3};
+  for (const ViewPoint at : {ViewPoint(0, 0), ViewPoint(0.7, -0.4), ViewPoint(-1.5, 0.9)}) {
+    const sdk::Ray ray = camera.ray(at);
+    EXPECT_LT((camera.project(ray.origin + 2.5 * ray.direction) - at).norm(), 1e-12);
+  }
+}
+
+TEST(OrbitCamera, KeepsWhatIsPannedUnderTheHand) {
+  OrbitCamera camera;
+  const Eigen::Vector3d grabbed = camera.target;
+  camera.pan({0.3, -0.2});
+  EXPECT_LT((camera.project(grabbed) - ViewPoint(0.3, -0.2)).norm(), 1e-12);
+}
+
+TEST(OrbitCamera, FitsASphereIntoViewsOfAnyShape) {
+  for (const double aspect : {0.4, 1.0, 2.5}) {
+    OrbitCamera camera;
+    const sdk::Sphere around{{5, 5, 5}, 2};
+    camera.fit(around, aspect);
+    const Eigen::Isometry3d world_from_view = camera.view_from_world().inverse();
+    for (const Eigen::Vector3d side : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
+      const ViewPoint at = camera.project(around.centre + 2 * (world_from_view.linear() * side));
+      EXPECT_LE(std::abs(at.x()), aspect);
+      EXPECT_LE(std::abs(at.y()), 1);
+    }
+  }
+}
+
+TEST(PathTask, MeasuresHowFarOneWalksBesideIt) {
+  PathTask task({{0, 0}, {10, 0}, {10, 10}});
+  for (double x = 0; x <= 10; x += 0.1) task.update({x, 0.5}, 100ms);
+  EXPECT_TRUE(task.close());
+  EXPECT_NEAR(task.mean_deviation_m(), 0.5, 0.02);
+  EXPECT_FALSE(task.finished());
+  task.update({7, 3}, 100ms);
+  EXPECT_NEAR(task.distance_m(), 3, 1e-9);
+  EXPECT_FALSE(task.close());
+  for (double y = 3; y <= 9.8; y += 0.1) task.update({10, y}, 100ms);
+  EXPECT_TRUE(task.finished());
+  const auto time = task.time();
+  task.update({10, 10}, 1s);
+  EXPECT_EQ(task.time(), time) << "time stands still after the end";
+}
+
+}  // namespace
+}  // namespace armature::viewer

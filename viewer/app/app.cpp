@@ -1,0 +1,124 @@
+#include "viewer/app/app.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <imgui_impl_opengl3.h>
+
+#include "viewer/app/theme.h"
+
+namespace armature::viewer {
+namespace {
+
+constexpr float kSidebar = 290, kStatus = 36;
+/// A smaller view than this is not worth a sidebar.
+constexpr float kLeastView = 300, kLeastHeight = 240;
+
+}  // namespace
+
+App::App(Session& session, float scale, ViewPainter painter)
+    : session_(session), ui_{.session = session, .scale = scale}, painter_(std::move(painter)) {}
+
+App::~App() {
+  ImGui_ImplOpenGL3_Shutdown();
+}
+
+sdk::Expected<std::unique_ptr<App>> App::create(Session& session, float scale) {
+  auto painter = ViewPainter::create();
+  if (!painter) return tl::unexpected(painter.error());
+  theme::apply(scale);
+  ImGui::GetIO().IniFilename = nullptr;  // nothing is stored that nobody asked for
+  if (!ImGui_ImplOpenGL3_Init("#version 330 core"))
+    return sdk::fail("OpenGL: the window's panels cannot be drawn (on Debian: apt-get install libgl1)");
+  return std::unique_ptr<App>(new App(session, scale, std::move(*painter)));
+}
+
+/// A small window shows the view alone; there the sidebar waits behind a button.
+void App::lay_out(int width, int height) {
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  const float sidebar = ui_.px(kSidebar);
+  const bool has_room = w >= sidebar + ui_.px(kLeastView) && h >= ui_.px(kLeastHeight);
+  const float status = h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
+  const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
+  ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
+  session_.aspect = static_cast<double>(ui_.view.size.x / ui_.view.size.y);
+}
+
+/// Depth in greys, nearer is lighter; whoever steers in the accent's colour.
+void App::update_depth() {
+  const auto feed = session_.mode == Mode::Walk ? session_.walk.feed() : nullptr;
+  if (feed == shown_depth_) return;
+  shown_depth_ = feed;
+  if (!feed) {
+    ui_.depth = nullptr;
+    return;
+  }
+  const int width = feed->intrinsics.width, height = feed->intrinsics.height;
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(3 * feed->depth_mm.size());
+  for (std::size_t i = 0; i < feed->depth_mm.size(); ++i) {
+    const int depth = feed->depth_mm[i];
+    const int grey = depth == 0 ? 40 : std::clamp(170 - depth / 36, 52, 160);
+    const bool user = i < feed->user_mask.size() && feed->user_mask[i] != 0;
+    const int light = depth == 0 ? 120 : std::clamp(330 - depth / 14, 90, 255);
+    if (user) {
+      rgb.insert(rgb.end(), {static_cast<std::uint8_t>(light * 36 / 255), static_cast<std::uint8_t>(light * 130 / 255),
+                             static_cast<std::uint8_t>(light * 225 / 255)});
+    } else {
+      rgb.insert(rgb.end(), 3, static_cast<std::uint8_t>(grey));
+    }
+  }
+  if (depth_.get() == 0) {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    depth_ = GlTexture(name);
+  }
+  glBindTexture(GL_TEXTURE_2D, depth_.get());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, width, height, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): ImGui's type of a texture.
+  ui_.depth = reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(depth_.get()));
+  ui_.depth_aspect = static_cast<float>(width) / static_cast<float>(std::max(1, height));
+}
+
+sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool careful) {
+  ImGui::NewFrame();
+  lay_out(width, height);
+  handle_input(ui_);
+  update_depth();
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  draw_view_hints(ui_);
+  if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
+  if (ui_.view.at.x > 0) draw_sidebar(ui_);
+  if (ui_.view.size.y < h) draw_status_bar(ui_, {{0, ui_.view.size.y}, {w, h - ui_.view.size.y}});
+  if (ui_.log) draw_log(ui_);
+  if (ui_.dialog) draw_file_dialog(ui_);
+  ImGui::Render();
+
+  const int view_width = static_cast<int>(ui_.view.size.x), view_height = static_cast<int>(ui_.view.size.y);
+  if (auto painted = painter_.paint(session_, view_width, view_height, careful); !painted) return painted;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, painter_.picture());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  const int left = static_cast<int>(ui_.view.at.x);
+  // OpenGL counts rows from below: the status bar is under the view.
+  const int below = height - view_height;
+  glDisable(GL_SCISSOR_TEST);
+  glBlitFramebuffer(0, 0, view_width, view_height, left, below, left + view_width, below + view_height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width, height);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+    return sdk::fail("OpenGL: error " + std::to_string(error) + " while drawing");
+  return {};
+}
+
+bool App::calm() const noexcept {
+  return !painter_.rough() && session_.mode == Mode::Shapes && !session_.busy();
+}
+
+}  // namespace armature::viewer

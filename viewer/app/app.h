@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "viewer/app/ui.h"
+#include "viewer/app/view_painter.h"
+#include "viewer/session/script.h"
+
+namespace armature::viewer {
+
+/// The whole of a window's contents, drawn into whatever framebuffer there is; with a window or without. Made, used and
+/// deleted while its context is current and ImGui has one.
+class App {
+ public:
+  /// `scale`: pixels a unit of layout. Fails where OpenGL does.
+  [[nodiscard]] static sdk::Expected<std::unique_ptr<App>> create(Session& session, float scale);
+  ~App();
+  App(const App&) = delete;
+  App& operator=(const App&) = delete;
+
+  /// Draws a frame of that many pixels into `framebuffer`, after ImGui's backends have begun theirs. `careful`: for a
+  /// picture, not for someone who waits. Fails where OpenGL does.
+  [[nodiscard]] sdk::Expected<void> draw(int width, int height, GLuint framebuffer, bool careful);
+  /// Whether the next frame would look the same if nobody does anything.
+  [[nodiscard]] bool calm() const noexcept;
+
+ private:
+  App(Session& session, float scale, ViewPainter painter);
+  void lay_out(int width, int height);
+  void update_depth();
+
+  Session& session_;
+  Ui ui_;
+  ViewPainter painter_;
+  GlTexture depth_;
+  std::shared_ptr<const navproto::FeedMessage> shown_depth_;
+};
+
+}  // namespace armature::viewer

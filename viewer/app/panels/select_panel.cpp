@@ -1,0 +1,106 @@
+// Selecting regions, and all that are like them.
+#include <algorithm>
+#include <array>
+
+#include "viewer/app/theme.h"
+#include "viewer/app/ui.h"
+
+namespace armature::viewer {
+namespace {
+
+void draw_tools(Ui& ui) {
+  Session& session = ui.session;
+  const int tool = choice_row("tool", static_cast<int>(session.tool), {"Look", "Click", "Cut", "Brush", "Lasso"});
+  if (tool >= 0) ui.issue("tool {}", kTools[static_cast<std::size_t>(tool)]);
+  if (session.tool == Tool::Look) {
+    hint("The mouse moves the camera. Choose a tool to select; with Alt the mouse moves the camera then, too.");
+    return;
+  }
+  if (session.tool == Tool::Brush) {
+    auto size = static_cast<float>(100 * session.brush);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderFloat("##brush", &size, 0.5F, 20, "brush %.1f %%", ImGuiSliderFlags_Logarithmic))
+      ui.issue("brush-size {:.4g}", size / 100);
+  }
+  const int combine = choice_row("combine", static_cast<int>(session.combine), {"New", "Add", "Minus", "Both"});
+  static constexpr std::array<const char*, 4> kWays = {"replace", "add", "subtract", "intersect"};
+  if (combine >= 0) ui.issue("combine {}", kWays[static_cast<std::size_t>(combine)]);
+}
+
+/// A match on a line: its place, how much it is alike, and two buttons. Why it is alike is said where the mouse rests.
+void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) {
+  ImGui::PushID(static_cast<int>(place));
+  ImGui::AlignTextToFramePadding();
+  if (!shown) ImGui::PushStyleColor(ImGuiCol_Text, theme::kDim);
+  ImGui::Text("%zu", place);
+  ImGui::SameLine(ui.px(42));
+  ImGui::Text("%.0f %%", 100 * match.score);
+  if (!shown) ImGui::PopStyleColor();
+  ImGui::SameLine(ui.px(92));
+  if (ImGui::SmallButton("Yes")) ui.issue("accept {}", place);
+  ImGui::SameLine();
+  if (ImGui::SmallButton("No")) ui.issue("reject {}", place);
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", match.mirrored ? "mirrored" : "");
+  hint(match.reason.c_str());
+  ImGui::PopID();
+}
+
+void draw_expansion(Ui& ui, Selecting& selecting) {
+  if (!selecting.expansion) {
+    if (accent_button("Find what is like it", -1)) ui.issue("expand");
+    return;
+  }
+  const auto found = static_cast<int>(selecting.expansion->size());
+  if (found == 0) {
+    hint("Nothing else is like it.");
+    return;
+  }
+  int shown = static_cast<int>(selecting.shown);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderInt("##shown", &shown, 0, found, shown == 1 ? "%d match" : "%d matches",
+                       ImGuiSliderFlags_AlwaysClamp))
+    ui.issue("matches {}", shown);
+  if (accent_button("Select these")) {
+    ui.issue("take");
+    return;
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Undo a verdict")) ui.issue("reconsider");
+  const std::size_t listed = std::min<std::size_t>(static_cast<std::size_t>(shown) + 2, selecting.expansion->size());
+  // A verdict changes the list: the rest of it is drawn in the next frame.
+  const std::size_t steps = ui.session.log().size();
+  const std::vector<sdk::Match> matches(selecting.expansion->first(listed).begin(),
+                                        selecting.expansion->first(listed).end());
+  for (std::size_t i = 0; i < matches.size() && ui.session.log().size() == steps; ++i)
+    draw_match(ui, i + 1, matches[i], i < selecting.shown);
+}
+
+}  // namespace
+
+void draw_select_panel(Ui& ui) {
+  Session& session = ui.session;
+  Selecting& selecting = session.models[session.active_model]->selecting;
+  section("Select");
+  draw_tools(ui);
+  if (session.tool == Tool::Look && selecting.selection.faces().empty() && selecting.reference.empty()) return;
+  ImGui::BeginDisabled(session.job.running());
+  if (ImGui::Button("Undo")) ui.issue("undo");
+  ImGui::SameLine();
+  if (ImGui::Button("Redo")) ui.issue("redo");
+  ImGui::SameLine();
+  if (ImGui::Button("Clear")) ui.issue("clear");
+  if (selecting.kind == Selecting::Kind::Part) {
+    ImGui::SameLine();
+    if (ImGui::Button("Other side")) ui.issue("other-side");
+  }
+  if (!selecting.reference.empty()) {
+    if (ImGui::Button("Better boundary")) ui.issue("snap");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Lets it run where the surface is best cut nearby");
+  }
+  ImGui::TextDisabled("%zu faces selected", selecting.selection.faces().size());
+  if (!selecting.reference.empty()) draw_expansion(ui, selecting);
+  ImGui::EndDisabled();
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,94 @@
+// How shapes look, and their sphere-meshes.
+#include <array>
+#include <cmath>
+
+#include "viewer/app/theme.h"
+#include "viewer/app/ui.h"
+
+namespace armature::viewer {
+namespace {
+
+void draw_looks(Ui& ui, const Model& model) {
+  Session& session = ui.session;
+  section("Look");
+  if (model.mesh) {
+    const int mesh = choice_row("mesh", static_cast<int>(session.looks.mesh), {"Mesh", "Glass", "Hidden"});
+    if (mesh >= 0) ui.issue("mesh {}", kMeshLooks[static_cast<std::size_t>(mesh)]);
+    bool wireframe = session.looks.wireframe, matcap = session.looks.matcap;
+    if (ImGui::Checkbox("Wireframe", &wireframe)) ui.issue("wireframe {}", wireframe ? "on" : "off");
+    ImGui::SameLine();
+    if (ImGui::Checkbox("Matcap", &matcap)) ui.issue("matcap {}", matcap ? "on" : "off");
+    int map = static_cast<int>(session.looks.map);
+    ImGui::SetNextItemWidth(-1);
+    static constexpr std::array<const char*, 5> kNames = {"Own colours", "Curvature", "What protrudes",
+                                                          "Like the selection", "Components"};
+    if (ImGui::Combo("##map", &map, kNames.data(), static_cast<int>(kNames.size())))
+      ui.issue("map {}", kMaps[static_cast<std::size_t>(map)]);
+  }
+  if (model.spheres) {
+    const int spheres =
+        choice_row("spheres", static_cast<int>(session.looks.spheres), {"Spheres", "Structure", "Hidden"});
+    if (spheres >= 0) ui.issue("spheres {}", kSpheresLooks[static_cast<std::size_t>(spheres)]);
+  }
+  if (ImGui::Button("Fit")) ui.issue("fit");
+  struct Side {
+    const char* name;
+    int azimuth, elevation;
+  };
+  for (const Side& side : {Side{"Front", 0, 0}, Side{"Side", 90, 0}, Side{"Top", 0, 89}}) {
+    ImGui::SameLine();
+    if (ImGui::Button(side.name)) ui.issue("camera {} {}", side.azimuth, side.elevation);
+  }
+}
+
+void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh) {
+  if (spheres.hierarchy) {
+    // A level is a number of spheres; half of the slider is for the first few hundred.
+    const auto least = static_cast<int>(spheres.hierarchy->min_spheres());
+    const auto most = static_cast<int>(spheres.hierarchy->leaf_count());
+    int level = static_cast<int>(spheres.cursor->size());
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderInt("##level", &level, least, most, "%d spheres",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+      ui.issue("level {}", level);
+  }
+  ImGui::TextDisabled("%zu spheres, %zu edges, %zu triangles", spheres.shape.spheres.size(), spheres.shape.edges.size(),
+                      spheres.shape.triangles.size());
+  if (!has_mesh) return;
+  if (spheres.errors) {
+    ImGui::Text("Error: mean %.2f %%, largest %.2f %%", spheres.errors->mean_input_to_approximation,
+                spheres.errors->hausdorff);
+  } else {
+    ImGui::TextDisabled("Error: being measured");
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
+}
+
+}  // namespace
+
+void draw_shape_panel(Ui& ui) {
+  Session& session = ui.session;
+  if (session.models.empty()) return;
+  const Model& model = *session.models[session.active_model];
+  draw_looks(ui, model);
+  section("Spheres");
+  const bool busy = session.job.running();
+  ImGui::BeginDisabled(busy);
+  if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr);
+  if (model.mesh && (!model.spheres || !model.spheres->hierarchy)) {
+    if (accent_button("Abstract to spheres", -1)) ui.issue("build");
+    if (!model.spheres) hint("Makes every level at once, from a sphere a vertex to a single one.");
+  }
+  if (model.spheres) {
+    if (model.mesh) {
+      if (ImGui::Button("Refine")) ui.issue("refine");
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Fits these spheres closer to the mesh");
+      ImGui::SameLine();
+    }
+    if (ImGui::Button("Extract a mesh")) ui.issue("extract");
+  }
+  ImGui::EndDisabled();
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,142 @@
+// The panel on the left: what to do, and the panel for it.
+#include <array>
+
+#include "viewer/app/theme.h"
+#include "viewer/app/ui.h"
+
+namespace armature::viewer {
+namespace {
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
+
+void draw_models(Ui& ui) {
+  Session& session = ui.session;
+  if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
+  if (session.models.empty()) {
+    hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
+    return;
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Close")) ui.issue("close");
+  for (std::size_t i = 0; i < session.models.size(); ++i) {
+    const Model& model = *session.models[i];
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::Selectable(model.name.c_str(), i == session.active_model) && i != session.active_model)
+      ui.issue("model {}", i + 1);
+    ImGui::PopID();
+    if (ImGui::IsItemHovered() && !model.path.empty()) ImGui::SetTooltip("%s", model.path.c_str());
+  }
+}
+
+}  // namespace
+
+void draw_sidebar(Ui& ui) {
+  Session& session = ui.session;
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize({ui.view.at.x, ui.view.size.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::Begin("sidebar", nullptr, kFixed);
+  ImGui::PopStyleVar();
+  const int mode = choice_row("mode", static_cast<int>(session.mode), {"Shapes", "Walk"});
+  if (mode >= 0) ui.issue("mode {}", kModes[static_cast<std::size_t>(mode)]);
+  if (session.mode == Mode::Walk) {
+    draw_walk_panel(ui);
+  } else {
+    ImGui::Spacing();
+    draw_models(ui);
+    if (!session.models.empty()) {
+      draw_shape_panel(ui);
+      if (session.models.size() > session.active_model && session.models[session.active_model]->mesh)
+        draw_select_panel(ui);
+    }
+  }
+  ImGui::Dummy({0, ui.px(8)});
+  if (ImGui::SmallButton(ui.log ? "Hide the commands" : "Commands")) ui.log = !ui.log;
+  ImGui::End();
+}
+
+void draw_log(Ui& ui) {
+  const Area& view = ui.view;
+  const float height = std::min(ui.px(190), 0.5F * view.size.y);
+  ImGui::SetNextWindowPos({view.at.x + ui.px(12), view.end().y - height - ui.px(12)});
+  ImGui::SetNextWindowSize({std::min(ui.px(520), view.size.x - ui.px(24)), height});
+  ImGui::Begin("Commands", &ui.log, kFixed);
+  hint("Every action is a line; armature-viewer --script FILE replays them.");
+  if (ImGui::SmallButton("Copy all")) {
+    std::string text;
+    for (const std::string& line : ui.session.log()) text += line + '\n';
+    ImGui::SetClipboardText(text.c_str());
+  }
+  ImGui::BeginChild("lines");
+  for (const std::string& line : ui.session.log()) ImGui::TextUnformatted(line.c_str());
+  if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
+  ImGui::EndChild();
+  ImGui::End();
+}
+
+void draw_status_bar(Ui& ui, const Area& area) {
+  Session& session = ui.session;
+  ImGui::SetNextWindowPos(area.at);
+  ImGui::SetNextWindowSize(area.size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui.px(14), ui.px(5)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(240, 241, 241, 255));
+  ImGui::Begin("status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(3);
+  if (session.job.running()) {
+    const JobProgress progress = session.job.progress();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(session.job.title().c_str());
+    ImGui::SameLine();
+    ImGui::ProgressBar(static_cast<float>(progress.fraction), {std::min(ui.px(220), 0.3F * area.size.x), 0},
+                       progress.stage.c_str());
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel")) ui.issue("cancel");
+  } else if (!session.notice.empty()) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
+    ImGui::TextUnformatted(session.notice.c_str());
+    ImGui::PopStyleColor();
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
+    if (ImGui::IsItemClicked()) session.notice.clear();
+  } else {
+    static constexpr std::array<const char*, 5> kHints = {
+        "Drag to turn, right-drag to move, wheel to zoom.", "Click on a component. Alt moves the camera.",
+        "Draw along the cut; Shift draws on at the same cut. Alt moves the camera.",
+        "Brush over the patch; Shift adds to it, Ctrl takes away. The wheel changes the brush. Alt moves the camera.",
+        "Draw a loop around what you want. Alt moves the camera."};
+    ImGui::AlignTextToFramePadding();
+    hint(session.mode == Mode::Walk ? "W A S D or arrow keys walk, or drag in the view."
+                                    : kHints[static_cast<std::size_t>(session.tool)]);
+  }
+  ImGui::End();
+}
+
+void draw_view_hints(Ui& ui) {
+  Session& session = ui.session;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  if (session.mode == Mode::Shapes && session.models.empty() && !session.job.running()) {
+    const char* lines[] = {"Open a model, or drop one here", "or choose Walk to go through a city"};
+    float y = ui.view.at.y + 0.44F * ui.view.size.y;
+    for (const char* line : lines) {
+      ImFont* font = line == lines[0] ? theme::large() : ImGui::GetFont();
+      const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9F, 0, line);
+      draw.AddText(font, font->FontSize, {ui.view.at.x + (ui.view.size.x - size.x) / 2, y},
+                   line == lines[0] ? theme::kInk : theme::kDim, line);
+      y += size.y + ui.px(8);
+    }
+  }
+  if (ui.stroke.size() > 1) {
+    const bool loop = session.tool == Tool::Lasso;
+    draw.AddPolyline(ui.stroke.data(), static_cast<int>(ui.stroke.size()), theme::kAccent,
+                     loop ? ImDrawFlags_Closed : ImDrawFlags_None, ui.px(2.5F));
+  }
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,26 @@
+#include "viewer/app/png.h"
+
+#include <system_error>
+
+#include <png.h>
+
+namespace armature::viewer {
+
+sdk::Expected<void> write_png(const Image& image, const std::filesystem::path& path) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGB;
+  const std::filesystem::path unfinished = path.string() + ".part";
+  std::error_code error;
+  if (png_image_write_to_file(&png, unfinished.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
+    std::filesystem::remove(unfinished, error);
+    return sdk::fail(path.string() + ": cannot be written: " + png.message);
+  }
+  std::filesystem::rename(unfinished, path, error);
+  if (error) return sdk::fail(path.string() + ": cannot be written: " + error.message());
+  return {};
+}
+
+}  // namespace armature::viewer

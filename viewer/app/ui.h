@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "viewer/session/arguments.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+
+/// A rectangle of the window, in pixels.
+struct Area {
+  ImVec2 at{0, 0}, size{0, 0};
+  [[nodiscard]] ImVec2 end() const { return {at.x + size.x, at.y + size.y}; }
+  [[nodiscard]] bool holds(const ImVec2& p) const {
+    return p.x >= at.x && p.y >= at.y && p.x < at.x + size.x && p.y < at.y + size.y;
+  }
+};
+
+/// What panels share: the session, which they read, and change by commands alone; and what only the window knows.
+struct Ui {
+  Session& session;
+  float scale = 1;              ///< pixels a unit of layout
+  Area view = {};               ///< where the shapes or the city are
+  ImTextureID depth = nullptr;  ///< the depth picture, once there is one
+  float depth_aspect = 1;
+
+  bool sidebar = true;              ///< as the user wants it; a small window has none
+  bool dialog = false;              ///< the file dialog is open
+  bool saving = false;              ///< to write instead of to open
+  bool log = false;                 ///< the list of commands is open
+  std::vector<ImVec2> stroke = {};  ///< what the mouse draws at the moment, in pixels
+
+  /// Carries a command out; what fails is shown as the session's notice.
+  template <class... Args>
+  void issue(fmt::format_string<Args...> line, Args&&... args) {
+    static_cast<void>(session.execute(fmt::format(line, std::forward<Args>(args)...)));
+  }
+  [[nodiscard]] float px(float units) const { return units * scale; }
+};
+
+///@{
+/// The parts of the window.
+void draw_sidebar(Ui& ui);
+void draw_shape_panel(Ui& ui);
+void draw_select_panel(Ui& ui);
+void draw_walk_panel(Ui& ui);
+void draw_walk_overlay(Ui& ui);
+void draw_status_bar(Ui& ui, const Area& area);
+void draw_view_hints(Ui& ui);
+void draw_file_dialog(Ui& ui);
+void draw_log(Ui& ui);
+///@}
+
+/// Turns what the mouse and the keys do in the view into commands.
+void handle_input(Ui& ui);
+
+///@{
+/// Small things that panels are made of.
+void section(const char* title);
+/// A row of buttons of which one is chosen; the one that was clicked, or -1.
+int choice_row(const char* id, int chosen, const std::vector<const char*>& names);
+bool accent_button(const char* label, float width = 0);
+void hint(const char* text);
+///@}
+
+}  // namespace armature::viewer

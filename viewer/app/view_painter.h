@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "viewer/render/painter.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+
+/// Paints what a session shows, and keeps on the card what does not change. Made, used and deleted while its context is
+/// current.
+class ViewPainter {
+ public:
+  [[nodiscard]] static sdk::Expected<ViewPainter> create();
+
+  /// Paints the view again where it has changed. While it moves, as carefully as leaves it fluent; `careful`: always
+  /// with all care. The picture is in `picture()`.
+  [[nodiscard]] sdk::Expected<void> paint(const Session& session, int width, int height, bool careful);
+  /// The framebuffer that holds it.
+  [[nodiscard]] GLuint picture() const noexcept { return painter_.framebuffer(); }
+  /// Whether the picture is rougher than it could be and should be painted again soon.
+  [[nodiscard]] bool rough() const noexcept { return rough_; }
+
+ private:
+  /// What a drawing was made from; another one is made where it differs.
+  struct Key {
+    std::shared_ptr<const void> model = nullptr;  // held, so that no other takes its place
+    std::uint64_t revision = 0;
+    int look = 0, map = 0;
+    bool wireframe = false;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct Kept {
+    Key key = {};
+    std::optional<Drawing> drawing = {};
+    double made = 0;  // the how-manyth drawing it is
+  };
+
+  explicit ViewPainter(Painter painter) : painter_(std::move(painter)) {}
+  void keep(Kept& kept, Key key, const Scene& scene);
+  void show(const Kept& kept);
+  void gather_shapes(const Session& session);
+  void gather_city(const Walk& walk);
+
+  Painter painter_;
+  Kept mesh_, spheres_, city_, ribbon_, nothing_;
+  double made_ = 0;
+  std::vector<const Drawing*> drawings_;
+  // What the picture is to show and shows: which drawings, from where.
+  std::vector<double> shows_, shown_;
+  bool rough_ = false;
+  double careful_ms_ = 0;  // the last careful picture took
+};
+
+}  // namespace armature::viewer

@@ -1,0 +1,115 @@
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include <epoxy/gl.h>
+// After epoxy: it has OpenGL's names.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+
+#include "viewer/app/app.h"
+#include "viewer/app/png.h"
+#include "viewer/app/run.h"
+
+namespace armature::viewer {
+namespace {
+
+std::string glfw_complaint() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason given";
+}
+
+/// Everything that a window needs, taken down in the right order.
+struct Window {
+  ~Window() {
+    app.reset();
+    if (backend) ImGui_ImplGlfw_Shutdown();
+    if (imgui != nullptr) ImGui::DestroyContext(imgui);
+    if (window != nullptr) glfwDestroyWindow(window);
+    if (glfw) glfwTerminate();
+  }
+  bool glfw = false, backend = false;
+  GLFWwindow* window = nullptr;
+  ImGuiContext* imgui = nullptr;
+  std::unique_ptr<App> app;
+};
+
+void on_drop(GLFWwindow* window, int count, const char** paths) {
+  auto& session = *static_cast<Session*>(glfwGetWindowUserPointer(window));
+  // One at a time: they are opened one after another while the first is read.
+  if (count > 0) static_cast<void>(session.execute("open " + as_word(paths[0])));
+  if (count > 1) session.tell("one file at a time; opened the first");
+}
+
+}  // namespace
+
+sdk::Expected<void> run_window(Session& session, Script script, const RunOptions& options) {
+  Window w;
+  if (glfwInit() != GLFW_TRUE)
+    return sdk::fail("no window can be opened here: " + glfw_complaint() +
+                     "; with --screenshot OUT.png the viewer needs no display");
+  w.glfw = true;
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, options.scale > 0 ? GLFW_FALSE : GLFW_TRUE);
+  w.window = glfwCreateWindow(options.width, options.height, "Armature", nullptr, nullptr);
+  if (w.window == nullptr)
+    return sdk::fail("the viewer needs OpenGL 3.3: " + glfw_complaint() +
+                     "; a newer graphics driver has it, or Mesa's software driver (on Debian: apt-get install "
+                     "libgl1-mesa-dri, then LIBGL_ALWAYS_SOFTWARE=1)");
+  glfwSetWindowSizeLimits(w.window, 200, 150, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwMakeContextCurrent(w.window);
+  glfwSwapInterval(1);
+  float scale = options.scale;
+  if (!(scale > 0)) glfwGetWindowContentScale(w.window, &scale, nullptr);
+  w.imgui = ImGui::CreateContext();
+  glfwSetWindowUserPointer(w.window, &session);
+  glfwSetDropCallback(w.window, on_drop);
+  w.backend = ImGui_ImplGlfw_InitForOpenGL(w.window, true);
+  auto app = App::create(session, scale);
+  if (!app) return tl::unexpected(app.error());
+  w.app = std::move(*app);
+
+  while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit) {
+    // Nothing moves: wait for somebody to do something, or for half a second.
+    if (w.app->calm() && script.done(session)) {
+      glfwWaitEventsTimeout(0.1);
+    } else {
+      glfwPollEvents();
+    }
+    session.update(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * glfwGetTime())));
+    const bool had_lines = !script.done(session);
+    if (auto stepped = script.step(session); !stepped) {
+      if (options.close_after_script) return stepped;
+      session.tell(stepped.error().message, true);
+      script = Script();
+      session.failed = false;
+    }
+    if (options.close_after_script && !had_lines && script.done(session)) break;
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(w.window, &width, &height);
+    if (width < 16 || height < 16) continue;  // minimised
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    const bool photograph = session.picture.has_value();
+    if (auto drawn = w.app->draw(width, height, 0, photograph); !drawn) return drawn;
+    if (photograph) {
+      const auto image = read_picture(width, height);
+      const std::string file = session.picture->file;
+      session.picture.reset();
+      const auto written = image ? write_png(*image, file) : tl::unexpected(image.error());
+      if (!written) session.tell(written.error().message, true);
+    }
+    glfwSwapBuffers(w.window);
+    if (!script.done(session)) session.failed = session.failed && !session.forgiving;
+  }
+  return {};
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,67 @@
+// Opening, choosing, closing and writing models.
+#include <array>
+
+#include "viewer/session/command.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+namespace {
+
+using Done = sdk::Expected<void>;
+
+Done open(Session& session, Arguments& arguments) {
+  const std::string file = arguments.word("file");
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.start("opening " + file, [&session, file](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+    auto model = read_model(file, task);
+    if (!model) return tl::unexpected(model.error());
+    return Job::Apply([&session, model = *model] { session.add(model); });
+  });
+  return {};
+}
+
+Done close(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = session.active(); !model) return tl::unexpected(model.error());
+  session.models.erase(session.models.begin() + static_cast<std::ptrdiff_t>(session.active_model));
+  session.active_model = session.active_model == 0 ? 0 : session.active_model - 1;
+  session.picked.reset();
+  if (!session.models.empty()) session.camera.fit(session.around(), session.aspect);
+  return {};
+}
+
+Done model(Session& session, Arguments& arguments) {
+  if (auto any = session.active(); !any) return tl::unexpected(any.error());
+  const std::size_t place = arguments.count("model", 1, session.models.size());
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.active_model = place - 1;
+  session.picked.reset();
+  session.camera.fit(session.around(), session.aspect);
+  return {};
+}
+
+Done save(Session& session, Arguments& arguments) {
+  const std::string file = arguments.word("file");
+  const bool spheres = arguments.left() > 0 && arguments.choice("what", {"mesh", "spheres"}) == 1;
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = session.active();
+  if (!model) return tl::unexpected(model.error());
+  if (auto written = write_model(**model, file, spheres); !written) return written;
+  session.tell("wrote " + file);
+  return {};
+}
+
+constexpr std::array kCommands = {
+    Command{"open", "FILE", "open a mesh, a sphere-mesh (.ma, .ply) or a hierarchy (.smh)", open},
+    Command{"close", "", "close the model that is shown", close},
+    Command{"model", "N", "show the N-th of the models that are open", model},
+    Command{"save", "FILE [mesh|spheres]", "write the mesh, the sphere-mesh or the hierarchy, by the extension", save},
+};
+
+}  // namespace
+
+std::span<const Command> file_commands() {
+  return kCommands;
+}
+
+}  // namespace armature::viewer

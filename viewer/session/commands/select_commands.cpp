@@ -1,0 +1,331 @@
+// Regions of a mesh: selected by a gesture, and all that is like them.
+#include <algorithm>
+#include <array>
+
+#include <armature/sdk/expansion/expand_part.h>
+#include <armature/sdk/expansion/patch_expansion.h>
+#include <armature/sdk/selection/boundary.h>
+#include <armature/sdk/selection/lasso.h>
+
+#include "viewer/session/command.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+namespace {
+
+using Done = sdk::Expected<void>;
+using Faces = std::vector<sdk::FaceId>;
+
+/// Matches that are as good as sure are shown at once.
+constexpr double kClear = 0.85;
+
+/// What a gesture selected joins the selection, and becomes what others are compared with. `again`: it refines the last
+/// gesture, in place of which it counts.
+void take_reference(Session& session, Model& model, Selecting::Kind kind, Faces faces, bool again) {
+  Selecting& selecting = model.selecting;
+  if (again) selecting.selection.undo();
+  selecting.selection.combine(faces, session.combine);
+  selecting.kind = kind;
+  selecting.reference = std::move(faces);
+  selecting.expansion.reset();
+  selecting.shown = 0;
+  ++model.mesh_revision;
+}
+
+void forget_reference(Model& model) {
+  model.selecting.kind = Selecting::Kind::None;
+  model.selecting.reference.clear();
+  model.selecting.expansion.reset();
+  model.selecting.shown = 0;
+  ++model.mesh_revision;
+}
+
+Done click(Session& session, Arguments& arguments) {
+  const auto model = session.active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  const sdk::FaceId face(arguments.count("face", 0, (*model)->mesh->mesh.triangles.size() - 1));
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.start("finding components",
+                [&session, face,
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  std::shared_ptr<sdk::ComponentIndex> index = model->selecting.components;
+                  if (!index) {
+                    auto built = sdk::ComponentIndex::build(model->mesh->mesh, model->mesh->surface.adjacency, task);
+                    if (!built) return tl::unexpected(built.error());
+                    index = std::make_shared<sdk::ComponentIndex>(std::move(*built));
+                  }
+                  auto faces = index->select(face);
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([&session, model, index, faces = std::move(*faces)] {
+                    model->selecting.components = index;
+                    take_reference(session, *model, Selecting::Kind::Component, faces, false);
+                  });
+                });
+  return {};
+}
+
+Done cut(Session& session, Arguments& arguments) {
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  const bool again = arguments.choice("cut", {"new", "add"}) == 1;
+  auto stroke = arguments.points("stroke", 3, 1);
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (again && ((*active)->selecting.kind != Selecting::Kind::Part || !(*active)->selecting.cut))
+    return sdk::fail("there is no cut to go on with; draw a new one");
+  session.start("cutting",
+                [&session, again, stroke = std::move(stroke),
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  std::shared_ptr<const sdk::PartModel> parts = model->selecting.parts;
+                  if (!parts) {
+                    auto built = sdk::PartModel::build(model->mesh->surface, task);
+                    if (!built) return tl::unexpected(built.error());
+                    parts = std::make_shared<const sdk::PartModel>(std::move(*built));
+                  }
+                  const auto points = sdk::project_stroke(model->mesh->surface, stroke, "the stroke");
+                  if (!points) return tl::unexpected(points.error());
+                  auto cut = again ? std::make_shared<sdk::PartCut>(*model->selecting.cut)
+                                   : std::make_shared<sdk::PartCut>(*parts);
+                  cut->begin_stroke();
+                  for (const sdk::SurfacePoint& point : *points) cut->add_point(point);
+                  auto faces = cut->faces();
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([&session, model, again, parts, cut, faces = std::move(*faces)] {
+                    model->selecting.parts = parts;
+                    model->selecting.cut = cut;
+                    take_reference(session, *model, Selecting::Kind::Part, faces, again);
+                  });
+                });
+  return {};
+}
+
+Done other_side(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = session.active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  Selecting& selecting = (*model)->selecting;
+  if (selecting.kind != Selecting::Kind::Part || !selecting.cut) return sdk::fail("draw along a cut first");
+  selecting.cut->swap_sides();
+  auto faces = selecting.cut->faces();
+  if (!faces) return tl::unexpected(faces.error());
+  take_reference(session, **model, Selecting::Kind::Part, std::move(*faces), true);
+  return {};
+}
+
+Done brush(Session& session, Arguments& arguments) {
+  const auto model = session.active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  const std::size_t how = arguments.choice("brush", {"new", "add", "background"});
+  const double radius = arguments.number("radius", 1e-300, 1e300);
+  const auto stroke = arguments.points("stroke", 3, 1);
+  if (auto checked = arguments.check(); !checked) return checked;
+  Selecting& selecting = (*model)->selecting;
+  const bool again = how != 0;
+  if (again && selecting.kind != Selecting::Kind::Patch)
+    return sdk::fail("there is no patch to go on with; brush over one");
+  sdk::PatchStrokes drawn = again ? selecting.strokes : sdk::PatchStrokes{};
+  drawn.radius = radius;
+  (how == 2 ? drawn.background : drawn.strokes).push_back(stroke);
+  auto faces = sdk::select_patch((*model)->mesh->surface, drawn);
+  if (!faces) return tl::unexpected(faces.error());
+  selecting.strokes = std::move(drawn);
+  take_reference(session, **model, Selecting::Kind::Patch, std::move(*faces), again);
+  return {};
+}
+
+Done lasso(Session& session, Arguments& arguments) {
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  const auto polygon = arguments.points("lasso", 2, 3);
+  if (auto checked = arguments.check(); !checked) return checked;
+  sdk::Lasso drawn{.loop = {}, .seen_from = sdk::Eye{session.camera.eye()}};
+  for (const Eigen::Vector3d& at : polygon) {
+    const sdk::Ray ray = session.camera.ray(at.head<2>());
+    drawn.loop.emplace_back(ray.origin + session.camera.distance * ray.direction);
+  }
+  session.start("selecting what the lasso holds",
+                [&session, drawn = std::move(drawn),
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto faces = sdk::select_lasso(model->mesh->surface, drawn);
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([&session, model, faces = std::move(*faces)] {
+                    take_reference(session, *model, Selecting::Kind::Lasso, faces, false);
+                  });
+                });
+  return {};
+}
+
+/// Lets the boundary of the last region run where the surface is best cut nearby.
+Done snap(Session& session, Arguments& arguments) {
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  const double width = arguments.left() > 0 ? arguments.number("width", 1e-4, 0.5) : 0.02;
+  if (auto checked = arguments.check(); !checked) return checked;
+  if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
+  session.start(
+      "looking for the best boundary",
+      [&session, width, model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        auto faces =
+            sdk::snap_boundary(model->mesh->surface, model->selecting.reference, width * model->mesh->surface.diagonal);
+        return Job::Apply([&session, model, faces = std::move(faces)] {
+          take_reference(session, *model, model->selecting.kind, faces, true);
+        });
+      });
+  return {};
+}
+
+sdk::Expected<sdk::Expansion> expanded(const Model& model, const sdk::Task& task) {
+  const Selecting& selecting = model.selecting;
+  switch (selecting.kind) {
+    case Selecting::Kind::Component: return selecting.components->expand(selecting.reference.front());
+    case Selecting::Kind::Part: return sdk::expand_part(*selecting.parts, selecting.reference, {}, task);
+    case Selecting::Kind::Patch:
+    case Selecting::Kind::Lasso: return sdk::expand_patch(model.mesh->surface, selecting.reference, {}, task);
+    case Selecting::Kind::None: break;
+  }
+  return sdk::fail("select a region first");
+}
+
+Done expand(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
+  session.start(
+      "looking for what is like it",
+      [model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+        auto expansion = expanded(*model, task);
+        if (!expansion) return tl::unexpected(expansion.error());
+        return Job::Apply([model, expansion = std::move(*expansion)] {
+          const auto all = expansion.first(expansion.size());
+          model->selecting.shown = static_cast<std::size_t>(
+              std::ranges::find_if(all, [](const sdk::Match& match) { return match.score < kClear; }) - all.begin());
+          model->selecting.expansion = expansion;
+          ++model->mesh_revision;
+        });
+      });
+  return {};
+}
+
+/// The model's expansion, for the commands about it.
+sdk::Expected<Model*> with_expansion(Session& session) {
+  auto model = session.active_mesh();
+  if (model && !(*model)->selecting.expansion) return sdk::fail("look for what is like the selection first");
+  return model;
+}
+
+Done matches(Session& session, Arguments& arguments) {
+  const auto model = with_expansion(session);
+  if (!model) return tl::unexpected(model.error());
+  const std::size_t shown = arguments.count("matches", 0, (*model)->selecting.expansion->size());
+  if (auto checked = arguments.check(); !checked) return checked;
+  (*model)->selecting.shown = shown;
+  ++(*model)->mesh_revision;
+  return {};
+}
+
+Done accept(Session& session, Arguments& arguments) {
+  const auto model = with_expansion(session);
+  if (!model) return tl::unexpected(model.error());
+  Selecting& selecting = (*model)->selecting;
+  const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
+  if (auto checked = arguments.check(); !checked) return checked;
+  selecting.expansion->accept(place - 1);
+  selecting.shown = std::max<std::size_t>(selecting.shown, 1);
+  ++(*model)->mesh_revision;
+  return {};
+}
+
+Done reject(Session& session, Arguments& arguments) {
+  const auto model = with_expansion(session);
+  if (!model) return tl::unexpected(model.error());
+  Selecting& selecting = (*model)->selecting;
+  const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
+  if (auto checked = arguments.check(); !checked) return checked;
+  selecting.expansion->reject(place - 1);
+  if (place <= selecting.shown) --selecting.shown;
+  ++(*model)->mesh_revision;
+  return {};
+}
+
+Done reconsider(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = with_expansion(session);
+  if (!model) return tl::unexpected(model.error());
+  if (!(*model)->selecting.expansion->undo()) return sdk::fail("nothing was accepted or rejected yet");
+  ++(*model)->mesh_revision;
+  return {};
+}
+
+Done take(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = with_expansion(session);
+  if (!model) return tl::unexpected(model.error());
+  Selecting& selecting = (*model)->selecting;
+  Faces faces = selecting.reference;
+  for (const sdk::Match& match : selecting.expansion->first(selecting.shown))
+    faces.insert(faces.end(), match.faces.begin(), match.faces.end());
+  selecting.selection.combine(std::move(faces), sdk::Combine::Add);
+  forget_reference(**model);
+  return {};
+}
+
+Done clear(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = session.active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  (*model)->selecting.selection.combine({}, sdk::Combine::Replace);
+  forget_reference(**model);
+  return {};
+}
+
+template <bool (sdk::Selection::*Step)()>
+Done step(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = session.active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  if (!((*model)->selecting.selection.*Step)()) return sdk::fail("there is nothing left to go to");
+  forget_reference(**model);
+  return {};
+}
+
+Done combine(Session& session, Arguments& arguments) {
+  const std::size_t how = arguments.choice("combine", {"replace", "add", "subtract", "intersect"});
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.combine = static_cast<sdk::Combine>(how);
+  return {};
+}
+
+Done brush_size(Session& session, Arguments& arguments) {
+  const double size = arguments.number("size", 0.002, 0.5);
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.brush = size;
+  return {};
+}
+
+constexpr std::array kCommands = {
+    Command{"click", "FACE", "select the connected component of a face", click},
+    Command{"cut", "new|add X Y Z ...", "select what a stroke along a cut cuts off, or draw on at the same cut", cut},
+    Command{"other-side", "", "select the other side of the cut", other_side},
+    Command{"brush", "new|add|background RADIUS X Y Z ...", "select the patch under a brush", brush},
+    Command{"lasso", "X Y ...", "select the faces that are seen within a loop in the view", lasso},
+    Command{"snap", "[WIDTH]", "let the boundary run where the surface is best cut nearby", snap},
+    Command{"combine", "replace|add|subtract|intersect", "what a gesture does to the selection", combine, true},
+    Command{"brush-size", "SIZE", "the brush's radius, as a part of the model's size", brush_size, true},
+    Command{"expand", "", "look for regions like the one selected last", expand},
+    Command{"matches", "K", "show the K best of them", matches},
+    Command{"accept", "N", "the N-th match is right: what is like it rises", accept},
+    Command{"reject", "N", "the N-th match is wrong: it goes, and what is like it falls", reject},
+    Command{"reconsider", "", "take back the last accept or reject", reconsider},
+    Command{"take", "", "select the matches that are shown", take},
+    Command{"clear", "", "select nothing", clear},
+    Command{"undo", "", "take back the last step of selecting", step<&sdk::Selection::undo>},
+    Command{"redo", "", "do it again", step<&sdk::Selection::redo>},
+};
+
+}  // namespace
+
+std::span<const Command> select_commands() {
+  return kCommands;
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,99 @@
+// Sphere-meshes: hierarchies, levels, refinement, extraction.
+#include <array>
+
+#include <armature/sdk/hierarchy/build.h>
+#include <armature/sdk/spheremesh/extract.h>
+#include <armature/sdk/spheremesh/refine.h>
+
+#include "viewer/session/command.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+namespace {
+
+using Done = sdk::Expected<void>;
+
+Done build(Session& session, Arguments& arguments) {
+  const double importance = arguments.left() > 0 ? arguments.number("importance", 0, 10) : 0;
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  session.start("building the hierarchy",
+                [&session, importance,
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto built = sdk::build_hierarchy(model->mesh->mesh, {.importance = importance}, task);
+                  if (!built) return tl::unexpected(built.error());
+                  auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(built->hierarchy));
+                  return Job::Apply([&session, model, hierarchy] {
+                    model->set_hierarchy(hierarchy, 60);
+                    session.looks.spheres = SpheresLook::Surface;
+                    session.looks.mesh = MeshLook::Off;
+                  });
+                });
+  return {};
+}
+
+Done level(Session& session, Arguments& arguments) {
+  const auto model = session.active_spheres();
+  if (!model) return tl::unexpected(model.error());
+  if (!(*model)->spheres->hierarchy)
+    return sdk::fail("this sphere-mesh has one level alone; build the hierarchy of a mesh to have all");
+  const sdk::Hierarchy& hierarchy = *(*model)->spheres->hierarchy;
+  const std::size_t spheres = arguments.count("spheres", hierarchy.min_spheres(), hierarchy.leaf_count());
+  if (auto checked = arguments.check(); !checked) return checked;
+  (*model)->go_to(spheres);
+  return {};
+}
+
+Done refine(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  if (auto model = session.active_spheres(); !model) return tl::unexpected(model.error());
+  session.start(
+      "refining the sphere-mesh",
+      [model = session.models[session.active_model], shape = session.models[session.active_model]->spheres->shape](
+          const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+        auto refined = sdk::refine(model->mesh->mesh, shape, {}, task);
+        if (!refined) return tl::unexpected(refined.error());
+        return Job::Apply([model, refined = std::move(*refined)] { model->set_refined(refined); });
+      });
+  return {};
+}
+
+Done extract(Session& session, Arguments& arguments) {
+  const double tolerance = arguments.left() > 0 ? arguments.number("tolerance", 1e-5, 0.1) : 2e-3;
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto active = session.active_spheres();
+  if (!active) return tl::unexpected(active.error());
+  session.start("making a mesh of the sphere-mesh",
+                [&session, tolerance, shape = (*active)->spheres->shape,
+                 name = (*active)->name](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto mesh = sdk::extract_surface(shape, {.tolerance = tolerance}, task);
+                  if (!mesh) return tl::unexpected(mesh.error());
+                  auto model = std::make_shared<Model>();
+                  model->name = name + " extracted";
+                  model->mesh = std::make_shared<const MeshShape>(std::move(*mesh));
+                  return Job::Apply([&session, model] {
+                    const OrbitCamera camera = session.camera;
+                    session.add(model);
+                    session.camera = camera;  // the same shape, seen from the same place
+                    session.looks.mesh = MeshLook::Solid;
+                  });
+                });
+  return {};
+}
+
+constexpr std::array kCommands = {
+    Command{"build", "[IMPORTANCE]", "the hierarchy of sphere-meshes of the mesh; importance of curved places, 0 to 10",
+            build},
+    Command{"level", "SPHERES", "the level of the hierarchy with so many spheres", level},
+    Command{"refine", "", "fit the spheres of this level closer to the mesh", refine},
+    Command{"extract", "[TOLERANCE]", "a mesh of the sphere-mesh; tolerance as a part of its size", extract},
+};
+
+}  // namespace
+
+std::span<const Command> sphere_commands() {
+  return kCommands;
+}
+
+}  // namespace armature::viewer

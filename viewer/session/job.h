@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <armature/sdk/error.h>
+#include <armature/sdk/task.h>
+
+namespace armature::viewer {
+
+/// How far a job has come.
+struct JobProgress {
+  std::string stage;    ///< as the sdk names it
+  double fraction = 0;  ///< of that stage
+};
+
+/// Work on a thread of its own, one at a time. Work gets no access to what is shown: it returns a function that makes
+/// the changes, which `poll()` calls on the caller's thread, all or none of it.
+class Job {
+ public:
+  using Apply = std::function<void()>;
+  using Work = std::function<sdk::Expected<Apply>(const sdk::Task&)>;
+
+  Job() = default;
+  /// Cancels and waits.
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  [[nodiscard]] bool running() const noexcept { return state_ != nullptr; }
+  [[nodiscard]] const std::string& title() const noexcept { return title_; }
+  [[nodiscard]] JobProgress progress() const;
+
+  /// None may be running.
+  void start(std::string title, Work work);
+  /// Asks the work to stop; it ends as a failure of kind Cancelled.
+  void cancel();
+  /// Once the work has ended: applies its changes, or tells why there are none. Nothing while it runs.
+  [[nodiscard]] std::optional<sdk::Expected<void>> poll();
+
+ private:
+  struct State {
+    std::mutex mutex;
+    JobProgress progress;
+    std::optional<sdk::Expected<Apply>> result;
+  };
+  std::string title_;
+  std::shared_ptr<State> state_;  // or none
+  std::jthread thread_;
+};
+
+}  // namespace armature::viewer

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+
+/// The values of a map by vertex, in [0, 1]. `reference` is what the similarity map is about.
+[[nodiscard]] sdk::Expected<std::vector<float>> compute_map(const MeshShape& shape, MapKind kind,
+                                                            const std::vector<sdk::FaceId>& reference,
+                                                            const sdk::Task& task);
+
+/// The colours of a mesh's faces or vertices, as they are shown: its own, those of a map, and over them what is
+/// selected and what is like it. Returns a mesh's worth of colours for its corners.
+[[nodiscard]] std::vector<std::array<sdk::Colour, 3>> corner_colours(const Model& model, MapKind map,
+                                                                     const sdk::Colour& plain);
+
+}  // namespace armature::viewer

@@ -1,0 +1,138 @@
+#include "viewer/session/model.h"
+
+#include <algorithm>
+
+#include <armature/sdk/hierarchy/hierarchy_file.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/io/sphere_mesh_file.h>
+#include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/mesh/measures.h>
+
+#include "viewer/render/scene.h"
+#include "viewer/render/shading.h"
+
+namespace armature::viewer {
+namespace {
+
+sdk::Sphere sphere_around(const sdk::Mesh& mesh) {
+  const Eigen::AlignedBox3d box = sdk::bounding_box(mesh);
+  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 1};
+  sdk::Sphere around{box.center(), 0};
+  for (const Eigen::Vector3d& position : mesh.positions)
+    around.radius = std::max(around.radius, (position - around.centre).norm());
+  return around;
+}
+
+sdk::Sphere sphere_around(const sdk::SphereMesh& shape) {
+  Eigen::AlignedBox3d box;
+  for (const sdk::Sphere& sphere : shape.spheres) {
+    const Eigen::Vector3d corner = Eigen::Vector3d::Constant(sphere.radius);
+    box.extend(Eigen::AlignedBox3d(sphere.centre - corner, sphere.centre + corner));
+  }
+  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 1};
+  sdk::Sphere around{box.center(), 0};
+  for (const sdk::Sphere& sphere : shape.spheres)
+    around.radius = std::max(around.radius, (sphere.centre - around.centre).norm() + sphere.radius);
+  return around;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+/// What a hierarchy shows first: few enough spheres to see what it does.
+constexpr std::size_t kFirstLevel = 60;
+
+}  // namespace
+
+MeshShape::MeshShape(sdk::Mesh of)
+    : mesh(std::move(of)),
+      surface(mesh),
+      around(sphere_around(mesh)),
+      normals(corner_normals(mesh, MeshStyle().crease_rad)) {}
+
+void Model::go_to(std::size_t count) {
+  spheres->cursor->go_to(count);
+  spheres->shape = spheres->cursor->sphere_mesh();
+  spheres->tree.reset();
+  spheres->errors.reset();
+  ++spheres_revision;
+}
+
+void Model::set_spheres(sdk::SphereMesh shape) {
+  spheres.emplace();
+  spheres->shape = std::move(shape);
+  ++spheres_revision;
+}
+
+void Model::set_refined(sdk::SphereMesh shape) {
+  spheres->shape = std::move(shape);
+  spheres->tree.reset();
+  spheres->errors.reset();
+  ++spheres_revision;
+}
+
+void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t count) {
+  spheres.emplace();
+  spheres->cursor.emplace(*hierarchy, std::clamp(count, hierarchy->min_spheres(), hierarchy->leaf_count()));
+  spheres->hierarchy = std::move(hierarchy);
+  spheres->shape = spheres->cursor->sphere_mesh();
+  ++spheres_revision;
+}
+
+sdk::Sphere Model::around() const {
+  return mesh ? mesh->around : spheres ? sphere_around(spheres->shape) : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
+}
+
+const sdk::SphereMeshTree& Model::sphere_tree() {
+  if (!spheres->tree) spheres->tree.emplace(spheres->shape);
+  return *spheres->tree;
+}
+
+sdk::Expected<std::shared_ptr<Model>> read_model(const std::filesystem::path& path, const sdk::Task& task) {
+  auto model = std::make_shared<Model>();
+  model->name = path.stem().string();
+  model->path = path;
+  if (lower_extension(path) == ".smh") {
+    auto hierarchy = sdk::read_hierarchy(path, task);
+    if (!hierarchy) return tl::unexpected(hierarchy.error());
+    model->set_hierarchy(std::make_shared<const sdk::Hierarchy>(std::move(*hierarchy)), kFirstLevel);
+  } else if (sdk::holds_sphere_mesh(path)) {
+    auto shape = sdk::read_sphere_mesh(path, task);
+    if (!shape) return tl::unexpected(shape.error());
+    model->set_spheres(std::move(*shape));
+  } else {
+    auto mesh = sdk::read_mesh(path, {}, task);
+    if (!mesh) return tl::unexpected(mesh.error());
+    task.report("looking at the mesh", 0);
+    model->mesh = std::make_shared<const MeshShape>(std::move(*mesh));
+  }
+  if (task.stopped()) return tl::unexpected(sdk::cancelled().value());
+  return model;
+}
+
+sdk::Expected<void> write_model(const Model& model, const std::filesystem::path& path, bool spheres) {
+  const std::string extension = lower_extension(path);
+  const auto lacks = [&](const char* what) {
+    return sdk::fail(path.string() + ": " + model.name + " has no " + what + " to write; make one first");
+  };
+  if (extension == ".smh") {
+    if (!model.spheres || !model.spheres->hierarchy) return lacks("hierarchy");
+    return sdk::write_hierarchy(*model.spheres->hierarchy, path);
+  }
+  const bool as_spheres =
+      extension == ".ma" || extension == ".urdf" || (extension == ".ply" && (spheres || !model.mesh));
+  if (as_spheres) {
+    if (!model.spheres) return lacks("sphere-mesh");
+    return sdk::write_sphere_mesh(model.spheres->shape, path);
+  }
+  if (extension != ".obj" && extension != ".off" && extension != ".ply")
+    return sdk::fail(path.string() + ": expected a name that ends in .obj, .off, .ply, .ma, .urdf or .smh");
+  if (!model.mesh) return lacks("mesh");
+  return sdk::write_mesh(model.mesh->mesh, path);
+}
+
+}  // namespace armature::viewer

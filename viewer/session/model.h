@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <armature/sdk/distance/measure.h>
+#include <armature/sdk/distance/sphere_mesh_tree.h>
+#include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/expansion/expansion.h>
+#include <armature/sdk/hierarchy/hierarchy.h>
+#include <armature/sdk/hierarchy/level_cursor.h>
+#include <armature/sdk/selection/part_cut.h>
+#include <armature/sdk/selection/patch_brush.h>
+#include <armature/sdk/selection/selection.h>
+#include <armature/sdk/selection/surface.h>
+#include <armature/sdk/spheremesh/sphere_mesh.h>
+
+namespace armature::viewer {
+
+/// A mesh with what picking and tools look at. Immutable; jobs may share it.
+struct MeshShape {
+  explicit MeshShape(sdk::Mesh of);
+  const sdk::Mesh mesh;
+  const sdk::Surface surface;
+  const sdk::Sphere around;                                   ///< holds it
+  const std::vector<std::array<Eigen::Vector3d, 3>> normals;  ///< to shade its corners with, by FaceId
+};
+
+/// A sphere-mesh, or the level that is shown of a hierarchy.
+struct SphereShape {
+  std::shared_ptr<const sdk::Hierarchy> hierarchy;  ///< or none
+  std::optional<sdk::LevelCursor> cursor;           ///< where there is a hierarchy
+  sdk::SphereMesh shape;
+  std::optional<sdk::SphereMeshTree> tree;         ///< of `shape`, made when it is first asked for
+  std::optional<sdk::ApproximationErrors> errors;  ///< of `shape` against the mesh, once they are measured
+};
+
+/// What regions of a mesh are selected, and the regions like the last one.
+struct Selecting {
+  enum class Kind : std::uint8_t { None, Component, Part, Patch, Lasso };
+  sdk::Selection selection;
+  Kind kind = Kind::None;                           ///< of the last gesture
+  std::vector<sdk::FaceId> reference;               ///< its faces, ascending
+  std::optional<sdk::Expansion> expansion;          ///< what is like it, once it was looked for
+  std::size_t shown = 0;                            ///< the best matches that are shown
+  std::shared_ptr<const sdk::PartModel> parts;      ///< made with the first cut
+  std::shared_ptr<sdk::PartCut> cut;                ///< whose strokes go on
+  sdk::PatchStrokes strokes;                        ///< of the patch that is brushed
+  std::shared_ptr<sdk::ComponentIndex> components;  ///< made with the first click
+};
+
+/// Something that is open: a mesh, a sphere-mesh, or both of the same shape.
+struct Model {
+  std::string name;
+  std::filesystem::path path;  ///< empty for what was made here
+  std::shared_ptr<const MeshShape> mesh;
+  std::optional<SphereShape> spheres;
+  Selecting selecting;
+  std::vector<float> values;  ///< of a map, by vertex, in [0, 1]; or empty
+  /// Changes with what is drawn of each.
+  std::uint64_t mesh_revision = 1, spheres_revision = 1;
+
+  /// Goes to a level of the hierarchy, which must have it.
+  void go_to(std::size_t spheres);
+  /// Replaces the sphere-mesh; the hierarchy goes.
+  void set_spheres(sdk::SphereMesh shape);
+  /// Replaces the level that is shown; the hierarchy stays, and its next level comes from there.
+  void set_refined(sdk::SphereMesh shape);
+  void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
+  /// A sphere that holds all of it.
+  [[nodiscard]] sdk::Sphere around() const;
+  /// For picking; there must be spheres.
+  [[nodiscard]] const sdk::SphereMeshTree& sphere_tree();
+};
+
+/// Reads a mesh, a sphere-mesh or a hierarchy (.smh), whatever the file holds.
+[[nodiscard]] sdk::Expected<std::shared_ptr<Model>> read_model(const std::filesystem::path& path,
+                                                               const sdk::Task& task);
+
+/// The model's sphere-mesh (.ma, .urdf, .ply), hierarchy (.smh) or mesh (.obj, .off, .ply), by the extension. A .ply
+/// file gets the spheres where `spheres` says so.
+[[nodiscard]] sdk::Expected<void> write_model(const Model& model, const std::filesystem::path& path, bool spheres);
+
+}  // namespace armature::viewer

@@ -1,0 +1,88 @@
+// What a session is like, as facts by name.
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+void report_model(const Model& model, std::map<std::string, std::string>& facts) {
+  facts["model"] = model.name;
+  if (model.mesh) {
+    facts["faces"] = std::to_string(model.mesh->mesh.triangles.size());
+    facts["vertices"] = std::to_string(model.mesh->mesh.positions.size());
+  }
+  if (model.spheres) {
+    const sdk::SphereMesh& shape = model.spheres->shape;
+    facts["spheres"] = std::to_string(shape.spheres.size());
+    facts["edges"] = std::to_string(shape.edges.size());
+    facts["triangles"] = std::to_string(shape.triangles.size());
+    if (const auto& errors = model.spheres->errors) {
+      facts["hausdorff_percent"] = fmt::format("{:.4f}", errors->hausdorff);
+      facts["mean_percent"] = fmt::format("{:.4f}", errors->mean_input_to_approximation);
+    }
+  }
+  const Selecting& selecting = model.selecting;
+  facts["selected"] = std::to_string(selecting.selection.faces().size());
+  facts["reference"] = std::to_string(selecting.reference.size());
+  facts["found"] = std::to_string(selecting.expansion ? selecting.expansion->size() : 0);
+  facts["shown"] = std::to_string(selecting.shown);
+  if (selecting.expansion) {
+    std::size_t place = 0;
+    for (const sdk::Match& match : selecting.expansion->first(8))
+      facts[fmt::format("match.{}", ++place)] = fmt::format("{:.4f}", match.score);
+  }
+}
+
+void report_walk(const Walk& walk, std::map<std::string, std::string>& facts) {
+  facts["walk.x"] = fmt::format("{:.4f}", walk.pose().x_m);
+  facts["walk.y"] = fmt::format("{:.4f}", walk.pose().y_m);
+  facts["walk.heading"] = fmt::format("{:.3f}", walk.pose().heading_rad * kDegrees);
+  facts["walk.walked"] = fmt::format("{:.4f}", walk.walked_m());
+  facts["walk.state"] = walk.state_in_words();
+  facts["walk.fresh"] = walk.fresh() ? "yes" : "no";
+  if (const auto& settings = walk.settings()) {
+    if (settings->turn_motion) facts["walk.turn"] = navproto::name(*settings->turn_motion);
+    if (settings->walk_motion) facts["walk.walk"] = navproto::name(*settings->walk_motion);
+    if (settings->max_walk_m_s) facts["walk.max_walk"] = fmt::format("{:.4g}", *settings->max_walk_m_s);
+    for (const auto& motion : settings->motions)
+      if (motion.alpha) facts[fmt::format("walk.alpha.{}", name(motion.motion))] = fmt::format("{:.4g}", *motion.alpha);
+  }
+  if (const auto feed = walk.feed())
+    facts["walk.feed"] = fmt::format("{}x{}", feed->intrinsics.width, feed->intrinsics.height);
+  if (const auto& task = walk.task()) {
+    facts["path.length"] = fmt::format("{:.3f}", task->length_m());
+    facts["path.along"] = fmt::format("{:.3f}", task->along_m());
+    facts["path.distance"] = fmt::format("{:.3f}", task->distance_m());
+    facts["path.deviation"] = fmt::format("{:.3f}", task->mean_deviation_m());
+    facts["path.time"] = fmt::format("{:.2f}", task->time().count());
+    facts["path.close"] = task->close() ? "yes" : "no";
+    facts["path.finished"] = task->finished() ? "yes" : "no";
+  }
+}
+
+}  // namespace
+
+std::map<std::string, std::string> Session::report() const {
+  std::map<std::string, std::string> facts;
+  facts["mode"] = kModes[static_cast<std::size_t>(mode)];
+  facts["tool"] = kTools[static_cast<std::size_t>(tool)];
+  facts["models"] = std::to_string(models.size());
+  facts["notice"] = notice;
+  facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
+  facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);
+  facts["camera.distance"] = fmt::format("{:.6g}", camera.distance);
+  if (picked) {
+    if (picked->face.valid()) facts["picked.face"] = std::to_string(picked->face.index());
+    if (picked->sphere.valid()) facts["picked.sphere"] = std::to_string(picked->sphere.index());
+  }
+  if (!models.empty()) report_model(*models[active_model], facts);
+  report_walk(walk, facts);
+  return facts;
+}
+
+}  // namespace armature::viewer

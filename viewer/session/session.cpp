@@ -1,0 +1,177 @@
+#include "viewer/session/session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <armature/sdk/distance/measure.h>
+
+#include "viewer/session/command.h"
+
+namespace armature::viewer {
+namespace {
+
+/// Points at which the error of a level is measured while the slider moves.
+constexpr std::size_t kLevelSamples = 20'000;
+/// How long a notice that is no error is shown.
+constexpr auto kNoticeStays = std::chrono::seconds(8);
+/// How long a level must stand before its error is worth measuring.
+constexpr auto kLevelRests = std::chrono::milliseconds(150);
+
+/// Lines of which only the last one in a row matters: a slider, a camera that is being moved.
+bool replaces_itself(std::string_view name) {
+  return name == "camera" || name == "level" || name == "matches" || name == "brush-size" || name == "place";
+}
+
+std::string_view first_word(std::string_view line) {
+  return line.substr(0, line.find(' '));
+}
+
+}  // namespace
+
+Session::Session() = default;
+Session::~Session() = default;
+
+void Session::tell(std::string text, bool error) {
+  notice = std::move(text);
+  notice_is_error = error;
+  notice_since = now;
+}
+
+sdk::Expected<void> Session::execute(std::string_view line) {
+  const auto fails = [&](const std::string& why) -> sdk::Expected<void> {
+    tell(why, true);
+    failed = !forgiving;
+    return sdk::fail(why);
+  };
+  auto words = split_words(line);
+  if (!words) return fails(words.error().message);
+  if (words->empty()) return {};
+  const std::string name = words->front();
+  const Command* command = find_command(name);
+  if (command == nullptr) return fails(as_word(name) + " is no command; `help` lists them");
+  if (job.running() && !command->while_busy)
+    return fails(job.title() + " is still going on: wait for it, or cancel it, then try again");
+  words->erase(words->begin());
+  Arguments arguments(std::move(*words));
+  line_ = std::string(line);
+  const bool was_running = job.running();
+  if (auto done = command->run(*this, arguments); !done) return fails(name + ": " + done.error().message);
+  if (job.running() && !was_running) {
+    pending_line_ = line_;
+    return {};
+  }
+  if (!log_.empty() && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
+  log_.push_back(line_);
+  return {};
+}
+
+void Session::start(std::string title, Job::Work work) {
+  job.start(std::move(title), std::move(work));
+}
+
+void Session::take_job() {
+  const auto done = job.poll();
+  if (!done) return;
+  if (*done) {
+    log_.push_back(pending_line_);
+  } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
+    tell(job.title() + " was cancelled; everything is as it was");
+  } else {
+    tell(done->error().message, true);
+    failed = !forgiving;
+  }
+}
+
+void Session::update(Time time) {
+  now = time;
+  take_job();
+  walk.update(time);
+  bool is_error = false;
+  if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);
+  if (!notice_is_error && now - notice_since > kNoticeStays) notice.clear();
+  measure_level();
+  if (waiting && waiting()) waiting = nullptr;
+}
+
+/// Once the level has stood for a moment, its error is measured in the background; one at a time, the last one wins.
+void Session::measure_level() {
+  static_cast<void>(measuring_.poll());
+  if (models.empty()) return;
+  const std::shared_ptr<Model>& model = models[active_model];
+  if (!model->mesh || !model->spheres || model->spheres->shape.spheres.empty()) return;
+  if (model->spheres_revision != measured_revision_) {
+    measured_revision_ = model->spheres_revision;
+    level_since_ = now;
+    if (measuring_.running()) measuring_.cancel();
+  }
+  if (model->spheres->errors || measuring_.running() || now - level_since_ < kLevelRests) return;
+  measuring_.start("measuring",
+                   [mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
+                    weak = std::weak_ptr<Model>(model),
+                    samples = kLevelSamples](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                     const auto errors = sdk::measure(mesh->mesh, shape, {.samples = samples}, task);
+                     if (!errors) return tl::unexpected(errors.error());
+                     return Job::Apply([=, found = *errors] {
+                       const auto still = weak.lock();
+                       if (still && still->spheres && still->spheres_revision == revision)
+                         still->spheres->errors = found;
+                     });
+                   });
+}
+
+sdk::Expected<Model*> Session::active() {
+  if (models.empty()) return sdk::fail("nothing is open; open a model first");
+  return models[active_model].get();
+}
+
+sdk::Expected<Model*> Session::active_mesh() {
+  auto model = active();
+  if (model && !(*model)->mesh) return sdk::fail((*model)->name + " is a sphere-mesh; this needs a triangle mesh");
+  return model;
+}
+
+sdk::Expected<Model*> Session::active_spheres() {
+  auto model = active();
+  if (model && !(*model)->spheres) return sdk::fail((*model)->name + " has no sphere-mesh yet; build one first");
+  return model;
+}
+
+void Session::add(std::shared_ptr<Model> model) {
+  models.push_back(std::move(model));
+  active_model = models.size() - 1;
+  picked.reset();
+  mode = Mode::Shapes;
+  looks.map = MapKind::None;
+  if (models.back()->mesh && !models.back()->spheres && looks.mesh == MeshLook::Off) looks.mesh = MeshLook::Solid;
+  camera.fit(around(), aspect);
+}
+
+sdk::Sphere Session::around() const {
+  if (models.empty()) return {Eigen::Vector3d::Zero(), 1};
+  return models[active_model]->around();
+}
+
+std::optional<Picked> Session::pick(const ViewPoint& at) {
+  if (models.empty()) return std::nullopt;
+  Model& model = *models[active_model];
+  const sdk::Ray ray = camera.ray(at);
+  std::optional<Picked> found;
+  double nearest = 0;
+  if (model.mesh && looks.mesh != MeshLook::Off) {
+    if (const auto hit = model.mesh->surface.tree.intersect(ray)) {
+      found = Picked{.face = hit->face, .point = ray.origin + hit->t * ray.direction};
+      nearest = hit->t;
+    }
+  }
+  if (model.spheres && looks.spheres != SpheresLook::Off) {
+    if (const auto hit = model.sphere_tree().intersect(ray); hit && (!found || hit->t < nearest)) {
+      Eigen::Index most = 0;
+      hit->weights.maxCoeff(&most);
+      found =
+          Picked{.sphere = hit->spheres[static_cast<std::size_t>(most)], .point = ray.origin + hit->t * ray.direction};
+    }
+  }
+  return found;
+}
+
+}  // namespace armature::viewer

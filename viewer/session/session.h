@@ -1,0 +1,131 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <armature/sdk/error.h>
+
+#include "viewer/session/job.h"
+#include "viewer/session/model.h"
+#include "viewer/session/orbit_camera.h"
+#include "viewer/walk/walk.h"
+
+namespace armature::viewer {
+
+enum class Mode : std::uint8_t { Shapes, Walk };
+enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso };
+enum class MeshLook : std::uint8_t { Solid, Glass, Off };
+enum class SpheresLook : std::uint8_t { Surface, Structure, Off };
+enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Components };
+
+///@{
+/// How scripts spell them, in the order of the enumerations.
+inline const std::vector<std::string_view> kModes = {"shapes", "walk"};
+inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso"};
+inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
+inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
+inline const std::vector<std::string_view> kMaps = {"none", "curvature", "protrusion", "similarity", "components"};
+///@}
+
+/// How shapes are shown.
+struct Looks {
+  MeshLook mesh = MeshLook::Solid;
+  SpheresLook spheres = SpheresLook::Surface;
+  MapKind map = MapKind::None;
+  bool wireframe = false;
+  bool matcap = false;  ///< light by the normal alone; else corners are darker
+};
+
+/// What was found under a place of the view.
+struct Picked {
+  sdk::FaceId face = {};                            ///< of the mesh, if it is the nearest
+  sdk::SphereId sphere = {};                        ///< of the sphere-mesh, if that is
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the model's coordinates
+};
+
+/// A picture that a script asks for; whoever draws makes it.
+struct PictureRequest {
+  std::string file;
+  int width = 0, height = 0;  ///< 0: that of the window
+};
+
+/// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
+/// `log()` keeps and that a script replays. It knows no window and no OpenGL. Used by one thread.
+class Session {
+ public:
+  using Time = std::chrono::nanoseconds;  ///< by any monotonic clock
+
+  Session();
+  ~Session();
+
+  /// Carries a line out. What it starts in the background may still fail: `notice` tells. A failure leaves everything
+  /// as it was and is returned and shown as `notice`, too.
+  sdk::Expected<void> execute(std::string_view line);
+  /// Takes what the background has finished and moves what moves. Call it once a frame.
+  void update(Time now);
+  /// The lines that were carried out, in order.
+  [[nodiscard]] const std::vector<std::string>& log() const noexcept { return log_; }
+
+  /// Whether work runs in the background that the next line of a script has to wait for.
+  [[nodiscard]] bool busy() const noexcept { return job.running() || (waiting && !waiting()); }
+
+  /// The model that commands are about; fails where nothing is open.
+  [[nodiscard]] sdk::Expected<Model*> active();
+  /// The same, which must have a mesh or spheres.
+  [[nodiscard]] sdk::Expected<Model*> active_mesh();
+  [[nodiscard]] sdk::Expected<Model*> active_spheres();
+  /// Starts a job in the name of the line that is being carried out; it is logged once the job has succeeded.
+  void start(std::string title, Job::Work work);
+  /// Opens a model, chooses it and sees all of it.
+  void add(std::shared_ptr<Model> model);
+  /// A sphere around the models that are shown.
+  [[nodiscard]] sdk::Sphere around() const;
+  /// What is seen at a place of the view, if anything is.
+  [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at);
+  /// Facts by name, for scripts to print and to expect.
+  [[nodiscard]] std::map<std::string, std::string> report() const;
+
+  std::vector<std::shared_ptr<Model>> models;
+  std::size_t active_model = 0;
+  Mode mode = Mode::Shapes;
+  Tool tool = Tool::Look;
+  Looks looks;
+  OrbitCamera camera;
+  double aspect = 1.6;  ///< of the view, width over height
+  double brush = 0.05;  ///< radius, of the active model's size
+  sdk::Combine combine = sdk::Combine::Replace;
+  std::optional<Picked> picked;
+  Walk walk;
+
+  Job job;
+  std::function<bool()> waiting;          ///< a script waits until it is true
+  std::optional<PictureRequest> picture;  ///< is to be made; the script waits
+  std::string notice;                     ///< the last failure or what to know, for people
+  bool notice_is_error = false;
+  Time notice_since{0};    ///< what is no error goes after a while
+  bool failed = false;     ///< a line has failed, or an expectation
+  bool forgiving = false;  ///< what fails now does not count
+  bool quit = false;
+  Time now{0};
+
+  void tell(std::string text, bool error = false);
+
+ private:
+  void measure_level();
+  void take_job();
+
+  std::vector<std::string> log_;
+  std::string line_, pending_line_;  // being carried out; whose job runs
+  Job measuring_;
+  std::uint64_t measured_revision_ = 0;  // of the spheres that are being measured
+  Time level_since_{0};
+};
+
+}  // namespace armature::viewer
