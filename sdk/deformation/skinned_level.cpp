@@ -15,6 +15,19 @@ SkinnedLevel::SkinnedLevel(SkinWeights weights, SphereMesh shape, Mesh mesh)
   assert(weights_.columns.size() == shape_.spheres.size() && weights_.totals.size() == mesh_.positions.size());
 }
 
+void SkinnedLevel::set_level(SkinWeights weights, SphereMesh shape) {
+  weights_ = std::move(weights);
+  shape_ = std::move(shape);
+  outward_.clear();
+}
+
+void SkinnedLevel::set_rest(std::vector<Vector3d>& positions, std::vector<Sphere> spheres) {
+  assert(positions.size() == mesh_.positions.size() && spheres.size() == shape_.spheres.size());
+  mesh_.positions.swap(positions);
+  shape_.spheres = std::move(spheres);
+  outward_.clear();
+}
+
 void SkinnedLevel::find_outward(const WeightColumn& column) {
   if (outward_.empty()) {
     outward_ = vertex_normals(mesh_);

@@ -1,5 +1,5 @@
-# The component sdk works by itself: its examples are built against an installation alone, abstract a cube and find a
-# pyramid.
+# The component sdk works by itself: its examples are built against an installation alone, abstract a cube, find a
+# pyramid and bend a table.
 include("${SOURCE}/tests/support/install_component.cmake")
 install_component(sdk sdk/examples/abstract "tbb|oneapi|assimp|tiny_obj")
 file(WRITE "${folder}/cube.off" "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
@@ -43,4 +43,10 @@ string(REGEX MATCHALL "[01]\\.[0-9]+  [0-9]+ faces: surroundings" likes "${outpu
 list(LENGTH likes count)
 if(NOT output MATCHES "^(1\\.00|0\\.9[0-9])  " OR count LESS 3)
   message(FATAL_ERROR "select_likes said: ${output}")
+endif()
+
+build_example(sdk/examples/deform "${folder}/deform")
+run("${folder}/deform/bend" "${folder}/bumps.off" "${folder}/bent.off")
+if(NOT output MATCHES "^armature deformation 1\nvertices 625\nlevel 4\nmove spheres 0 translate 0 0 [0-9.]+\nlevel 12\nmove spheres 5 rotate 0 0.5 0\n$")
+  message(FATAL_ERROR "bend said: ${output}")
 endif()

@@ -22,9 +22,15 @@ class SkinnedLevel {
   [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }               ///< while nothing has moved
 
   /// Where all vertices go, [V]. Where spheres swell, the surface goes away from the nearest point of the sphere-mesh
-  /// by what they swell, more or less where it lies farther out or further in: a tube becomes thicker, not longer. Then
-  /// comes `skin()`. The first time that a sphere swells, what it reaches is looked at. Not thread-safe.
+  /// by what they swell, less where it lies further in: a tube becomes thicker, not longer. Then comes `skin()`. The
+  /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out);
+
+  /// Another level of the same mesh.
+  void set_level(SkinWeights weights, SphereMesh shape);
+  /// Where mesh and spheres are from now on while nothing has moved: as many of them, elsewhere. What `positions` held
+  /// is theirs to reuse.
+  void set_rest(std::vector<Eigen::Vector3d>& positions, std::vector<Sphere> spheres);
 
  private:
   void find_outward(const WeightColumn& column);
