@@ -1,5 +1,6 @@
 #include "tracker/pipeline.h"
 
+#include "tracker/joints/occlusion.h"
 #include "tracker/joints/skeleton_filter.h"
 
 namespace armature {
@@ -127,6 +128,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     const PartVotes& votes = s.classifier.classify(frame, segmentation.user_of_pixel, visible_user);
     timer.done(StageId::Forest);
     s.joints.estimate(votes, out.skeleton);
+    doubt_hidden_joints(frame, segmentation, visible_user, out.skeleton);
     out.tracking = tracked(out.skeleton);
     timer.done(StageId::Joints);
   }
