@@ -4,10 +4,10 @@
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <armature/sdk/deformation/refit.h>
 #include <armature/sdk/hierarchy/build.h>
 
+#include "sdk/deformation/best_turn.h"
 #include "sdk/deformation/four.h"
 #include "sdk/deformation/plane_sums.h"
 #include "sdk/hierarchy/extents.h"
@@ -19,16 +19,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// The rotation that takes points x to y best, by S = sum of (y - mean)(x - mean)' (Kabsch 1976). About directions in
-/// which there is nothing to turn it does nothing.
-Matrix3d best_turn(Matrix3d S) {
-  constexpr double kHold = 1e-12;  // decides where S says nothing
-  S += kHold * S.norm() * Matrix3d::Identity();
-  const Eigen::JacobiSVD<Matrix3d> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-}
 
 using Eight = float __attribute__((vector_size(32)));
 

@@ -82,6 +82,7 @@ void DeformationSession::fit() {
 }
 
 void DeformationSession::weigh() {
+  surface_.reset();
   held_.assign(nodes_.size(), false);
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     held_[s] = std::ranges::any_of(
@@ -123,20 +124,67 @@ SphereMove DeformationSession::in_model(const SphereMove& move, MoveFrame frame)
   return moved;
 }
 
-Expected<void> DeformationSession::preview(const SphereMove& move, MoveFrame frame) {
+Expected<void> DeformationSession::preview(const SphereMove& move, const MoveOptions& options) {
   if (const auto checked = check(move, nodes_.size()); !checked) {
     cancel();
     return checked;
   }
-  previewed_ = Step{.level = nodes_.size(), .move = move, .frame = frame};
+  previewed_ = Step{.level = nodes_.size(), .move = move, .options = options};
   auto motions = at_rest(level_.shape().spheres);
-  move_spheres(in_model(move, frame), motions, held_);
+  move_spheres(in_model(move, options.frame), motions, held_);
   level_.move(motions, options_.blend, positions_);
+  if (options.surface_rings > 0)
+    if (const auto moved = move_surface(move, motions, options.surface_rings); !moved) {
+      cancel();
+      return moved;
+    }
   if (!std::ranges::all_of(positions_, [](const Vector3d& p) { return p.allFinite(); })) {
     cancel();
     return fail("the move takes vertices out of range; use smaller numbers");
   }
   for (std::size_t s = 0; s < motions.size(); ++s) shape_.spheres[s] = motions[s].after;
+  return {};
+}
+
+Expected<void> DeformationSession::move_surface(const SphereMove& move, std::span<const SphereMotion> motions,
+                                                std::size_t rings) {
+  std::vector<bool> moves(nodes_.size(), false);
+  for (const SphereId sphere : move.spheres) moves[sphere.index()] = !held_[sphere.index()];
+  std::vector<bool> near = moves;
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    std::vector<bool> wider = near;
+    const auto join = [&](SphereId a, SphereId b) {
+      if (near[a.index()]) wider[b.index()] = true;
+      if (near[b.index()]) wider[a.index()] = true;
+    };
+    for (const auto& [a, b] : shape_.edges) join(a, b);
+    for (const auto& [a, b, c] : shape_.triangles) join(a, b), join(b, c), join(c, a);
+    near = std::move(wider);
+  }
+  std::vector<bool> free(nodes_.size());
+  for (std::size_t s = 0; s < free.size(); ++s) free[s] = near[s] && !moves[s] && !held_[s];
+  const auto& rest = level_.mesh().positions;
+  const auto is_pinned = [&](VertexId vertex) {
+    const std::uint32_t place = hierarchy_->place(vertex);
+    return std::ranges::any_of(pinned_, [&](NodeId pin) { return holds(hierarchy_->range(pin), {place, place + 1}); });
+  };
+  std::vector<bool> is_free(rest.size(), false);
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    SphereMotion motion = motions[s];
+    if (motion.before.radius > 0 && motion.after.radius > 0) motion.scale = motion.after.radius / motion.before.radius;
+    for (const VertexId vertex : hierarchy_->vertices(nodes_[s])) {
+      const bool stays = (!moves[s] && !free[s]) || is_pinned(vertex);
+      is_free[vertex.index()] = free[s] && !stays;
+      if (!free[s] || stays) positions_[vertex.index()] = stays ? rest[vertex.index()] : motion(rest[vertex.index()]);
+    }
+  }
+  if (!laplacian_) laplacian_ = laplacian(level_.mesh(), Adjacency(level_.mesh()));
+  if (!surface_ || surface_->free != free) {
+    auto solver = AsRigidAsPossible::of(*laplacian_, rest, is_free);
+    if (!solver) return tl::unexpected(solver.error());
+    surface_.emplace(Surface{std::move(free), std::move(*solver)});
+  }
+  surface_->solver.solve(positions_);
   return {};
 }
 
@@ -162,8 +210,8 @@ void DeformationSession::commit() {
   undone_.clear();
 }
 
-Expected<void> DeformationSession::move(const SphereMove& move, MoveFrame frame) {
-  return preview(move, frame).map([&] { commit(); });
+Expected<void> DeformationSession::move(const SphereMove& move, const MoveOptions& options) {
+  return preview(move, options).map([&] { commit(); });
 }
 
 Expected<void> DeformationSession::pin(std::span<const SphereId> spheres, bool pinned) {
@@ -187,6 +235,7 @@ void DeformationSession::step_over(Step& step, bool forward) {
       pinned_.erase(node);
   }
   if (step.pins) return weigh();
+  surface_.reset();
   positions_ = level_.mesh().positions;
   for (std::size_t i = 0; i < step.changed.size(); ++i) std::swap(positions_[step.changed[i].index()], step.others[i]);
   fits_.clear();

@@ -80,7 +80,7 @@ Expected<std::vector<SphereId>> spheres_of(Words& words) {
 
 struct Line {
   SphereMove move;
-  MoveFrame frame = MoveFrame::Model;
+  MoveOptions options = {};
 };
 
 Expected<Line> move_of(Words& words) {
@@ -90,7 +90,7 @@ Expected<Line> move_of(Words& words) {
   line.move.spheres = std::move(*spheres);
   while (!words.ended()) {
     const std::string expected_here =
-        "expected a sphere, `translate`, `rotate`, `about`, `scale`, `radius` or `frame`; " + words.found();
+        "expected a sphere, `translate`, `rotate`, `about`, `scale`, `radius`, `frame` or `surface`; " + words.found();
     const std::string_view what = words.next();
     if (what == "translate" || what == "rotate" || what == "about") {
       const auto vector = words.vector();
@@ -103,11 +103,15 @@ Expected<Line> move_of(Words& words) {
       if (!number) return fail("expected a number behind `" + std::string(what) + "`; " + words.found());
       if (what == "scale") line.move.scale = *number;
       if (what == "radius") line.move.radius = *number;
+    } else if (what == "surface") {
+      const auto rings = words.number<std::uint32_t>();
+      if (!rings) return fail("expected a number of edges behind `surface`; " + words.found());
+      line.options.surface_rings = *rings;
     } else if (what == "frame") {
       const std::string found = words.found();
       const std::string_view frame = words.next();
       if (frame != "parent" && frame != "model") return fail("expected `parent` or `model` behind `frame`; " + found);
-      line.frame = frame == "parent" ? MoveFrame::Parent : MoveFrame::Model;
+      line.options.frame = frame == "parent" ? MoveFrame::Parent : MoveFrame::Model;
     } else {
       return fail(expected_here);
     }
@@ -133,7 +137,8 @@ std::string DeformationSession::text() const {
     if (step.move.about) put(text, " about", *step.move.about);
     if (step.move.scale != 1) put(text += " scale", step.move.scale);
     if (step.move.radius) put(text += " radius", *step.move.radius);
-    if (step.frame == MoveFrame::Parent) text += " frame parent";
+    if (step.options.frame == MoveFrame::Parent) text += " frame parent";
+    if (step.options.surface_rings > 0) text += " surface " + std::to_string(step.options.surface_rings);
     text += '\n';
   }
   at_level(nodes_.size());
@@ -171,7 +176,7 @@ Expected<void> DeformationSession::replay(std::string_view text, std::string_vie
       if (!spheres) return wrong("expected a number of spheres behind `level`; " + words.found());
       done = go_to(*spheres);
     } else if (verb == "move") {
-      done = move_of(words).and_then([&](const Line& read) { return move(read.move, read.frame); });
+      done = move_of(words).and_then([&](const Line& read) { return move(read.move, read.options); });
     } else if (verb == "pin" || verb == "unpin") {
       done = spheres_of(words).and_then([&](const auto& spheres) { return pin(spheres, verb == "pin"); });
     } else {

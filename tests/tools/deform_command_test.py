@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs `armature spheremesh deform` as a user would.
+"""Runs `armature spheremesh deform` and `session` as a user would.
 
 usage: deform_command_test.py BUILD_DIRECTORY
 """
@@ -187,6 +187,33 @@ class SphereMeshDeform(unittest.TestCase):
             deformed, _ = self.deform([{"spheres": [0, 5], "rotate": [0.5, 0, 1], "radius": 0.3}], *options,
                                       mesh=broken, hierarchy=hierarchy)
             self.assertTrue(all(math.isfinite(c) for p in deformed for c in p))
+
+    def session(self, steps):
+        text = self.here / "session.txt"
+        text.write_text(steps)
+        out = self.here / "session.off"
+        return run("spheremesh", "session", self.mesh, self.hierarchy, text, out, "--spheres", self.here / "fit.ma",
+                   "--json"), out
+
+    def test_a_session_of_one_move_is_that_move(self):
+        move = {"spheres": [3, 4], "translate": [0, 0, 1], "rotate": [0, 0.5, 0], "about": [0, 0, 0]}
+        expected, _ = self.deform([move])
+        result, out = self.session(f"armature deformation 1\nlevel {LEVEL}\n"
+                                   "move spheres 3 4 translate 0 0 1 rotate 0 0.5 0 about 0 0 0\nlevel 5\n")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout), {"vertices": len(self.vertices), "spheres": 5})
+        self.assertEqual(vertices_of_off(out), expected)
+        self.assertEqual(sum(line[0] == "v" for line in (self.here / "fit.ma").read_text().splitlines()), 5)
+
+    def test_sessions_that_cannot_be_are_refused_with_their_line(self):
+        for steps, words in (("", ["is empty"]), ("no", ["line 1"]),
+                             ("armature deformation 1\nlevel 4\nmove spheres 4", ["line 3", "0 to 3, found 4"])):
+            result, out = self.session(steps)
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stderr.count("\n"), 1)
+            for word in ["session.txt", *words]:
+                self.assertIn(word, result.stderr)
+            self.assertFalse(out.exists())
 
 
 if __name__ == "__main__":

@@ -144,7 +144,7 @@ TEST(DeformationSession, KeepsAFineEditWhenACoarseMoveFollows) {
                           .scale = 1.2};
   const auto fine = [&](DeformationSession& session) {
     ASSERT_TRUE(session.go_to(60));
-    ASSERT_TRUE(session.move(detail, MoveFrame::Parent));
+    ASSERT_TRUE(session.move(detail, {.frame = MoveFrame::Parent}));
   };
   auto fine_first = tube.session(60);
   fine(fine_first);
@@ -164,7 +164,7 @@ TEST(DeformationSession, EditsSeveralSpheresInTheFrameOfTheSphereAboveThem) {
   const auto fine = [](DeformationSession& session) {
     ASSERT_TRUE(session.go_to(30));
     ASSERT_TRUE(session.move({.spheres = {SphereId(4), SphereId(20)}, .translate = {0, 0.5, 0}, .rotate = {0.3, 0, 0}},
-                             MoveFrame::Parent));
+                             {.frame = MoveFrame::Parent}));
   };
   const auto turn_all = [](DeformationSession& session) {
     ASSERT_TRUE(session.go_to(6));
@@ -218,6 +218,57 @@ TEST(DeformationSession, PinnedSpheresStayAtEveryLevel) {
   EXPECT_TRUE(session.is_pinned(SphereId(pinned)));
 }
 
+TEST(DeformationSession, ASurfaceFollowsItsFineSpheresAsRigidlyAsPossible) {
+  const Tube tube;
+  auto session = tube.session(400);
+  // A sphere of this level weighs so little that blending hardly moves anything.
+  std::size_t top = 0;
+  const auto& spheres = session.shape().spheres;
+  for (std::size_t s = 0; s < spheres.size(); ++s)
+    if (spheres[s].centre.z() - std::abs(spheres[s].centre.x()) >
+        spheres[top].centre.z() - std::abs(spheres[top].centre.x()))
+      top = s;
+  const SphereMove pull{.spheres = {SphereId(top)}, .translate = {0, 0, 0.3}};
+  ASSERT_TRUE(session.preview(pull, {.surface_rings = 3}));
+  const auto own = tube.hierarchy.vertices(session.nodes()[top]);
+  for (const VertexId v : own)
+    EXPECT_LT((session.positions()[v.index()] - tube.mesh.positions[v.index()] - Vector3d(0, 0, 0.3)).norm(), 1e-12);
+  std::size_t moved = 0;
+  double turned_over = 0;
+  const auto before = face_normals(tube.mesh);
+  Mesh pulled = tube.mesh;
+  pulled.positions = positions(session);
+  const auto after = face_normals(pulled);
+  for (std::size_t v = 0; v < pulled.positions.size(); ++v) {
+    const double distance = (pulled.positions[v] - tube.mesh.positions[v]).norm();
+    moved += distance > 0 ? 1 : 0;
+    EXPECT_LT(distance, 0.35);
+  }
+  for (std::size_t f = 0; f < before.size(); ++f) turned_over += before[f].dot(after[f]) < 0 ? 1 : 0;
+  EXPECT_GT(moved, 3 * own.size());
+  EXPECT_LT(moved, pulled.positions.size() / 4);
+  EXPECT_EQ(turned_over, 0);
+  session.commit();
+  EXPECT_NE(session.text().find("surface 3"), std::string::npos);
+  auto again = tube.session(2);
+  ASSERT_TRUE(again.replay(session.text(), "again.txt"));
+  EXPECT_EQ(positions(again), pulled.positions);
+}
+
+TEST(AsRigidAsPossible, FindsARigidMotionWhereThatIsPossible) {
+  const Mesh mesh = tubes::tube(6, 1, 0.05);
+  std::vector<bool> is_free(mesh.positions.size());
+  std::vector<Vector3d> positions = mesh.positions;
+  const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, 0).normalized());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    is_free[v] = std::abs(positions[v].x()) < 2;
+    if (!is_free[v]) positions[v] = turn * positions[v];
+  }
+  const auto surface = AsRigidAsPossible::of(laplacian(mesh, Adjacency(mesh)), mesh.positions, is_free).value();
+  surface.solve(positions, 400);
+  for (std::size_t v = 0; v < positions.size(); ++v) EXPECT_LT((positions[v] - turn * mesh.positions[v]).norm(), 1e-3);
+}
+
 TEST(DeformationSession, IsSavedAndReplayedBitByBit) {
   const Tube tube;
   auto session = tube.session(8);
@@ -227,7 +278,8 @@ TEST(DeformationSession, IsSavedAndReplayedBitByBit) {
   ASSERT_TRUE(session.go_to(25));
   const std::vector<SphereId> pins = {SphereId(7), SphereId(3)};
   ASSERT_TRUE(session.pin(pins));
-  ASSERT_TRUE(session.move({.spheres = {SphereId(11)}, .about = Vector3d(1, 2, 3), .radius = 0.9}, MoveFrame::Parent));
+  ASSERT_TRUE(session.move({.spheres = {SphereId(11)}, .about = Vector3d(1, 2, 3), .radius = 0.9},
+                           {.frame = MoveFrame::Parent}));
   ASSERT_TRUE(session.move({.spheres = {SphereId(12)}, .translate = {0, 0, 1}}));
   ASSERT_TRUE(session.undo());
   ASSERT_TRUE(session.go_to(9));

@@ -6,6 +6,7 @@ void add_bench(CLI::App& app, Run& run) {
   CLI::App* bench = app.add_subcommand("bench", "Measure speed and accuracy on this machine.");
   bench->require_subcommand(1);
   add_bench_collapse(*bench, run);
+  add_bench_deform(*bench, run);
   add_bench_select(*bench, run);
   add_bench_spheremesh(*bench, run);
   add_bench_steering(*bench, run);

@@ -11,6 +11,7 @@ void add_spheremesh(CLI::App& app, Run& run) {
   add_spheremesh_extract(*spheremesh, run);
   add_spheremesh_level(*spheremesh, run);
   add_spheremesh_measure(*spheremesh, run);
+  add_spheremesh_session(*spheremesh, run);
 }
 
 }  // namespace armature::tools

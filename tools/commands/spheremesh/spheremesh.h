@@ -10,5 +10,6 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run);
 void add_spheremesh_extract(CLI::App& spheremesh, Run& run);
 void add_spheremesh_level(CLI::App& spheremesh, Run& run);
 void add_spheremesh_measure(CLI::App& spheremesh, Run& run);
+void add_spheremesh_session(CLI::App& spheremesh, Run& run);
 
 }  // namespace armature::tools

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <armature/sdk/deformation/as_rigid_as_possible.h>
 #include <armature/sdk/deformation/deform.h>
 #include <armature/sdk/deformation/refit.h>
 #include <armature/sdk/deformation/skinned_level.h>
@@ -19,6 +20,7 @@
 #include <armature/sdk/deformation/sphere_weights.h>
 #include <armature/sdk/error.h>
 #include <armature/sdk/hierarchy/hierarchy.h>
+#include <armature/sdk/laplacian/laplacian.h>
 #include <armature/sdk/mesh/mesh.h>
 #include <armature/sdk/task.h>
 
@@ -29,6 +31,15 @@ enum class MoveFrame : std::uint8_t {
   Model,   ///< those of the model
   Parent,  ///< those of the undeformed model, carried along with the smallest sphere of the hierarchy above all that
            ///< move
+};
+
+/// How a move is carried out.
+struct MoveOptions {
+  MoveFrame frame = MoveFrame::Model;  ///< what its coordinates mean
+  /// 0: weights blend the motions. More, for fine levels, where a sphere weighs little: what the moved spheres stand
+  /// for goes with them, what the spheres within so many edges of them stand for follows as rigidly as possible, and
+  /// all else stays.
+  std::size_t surface_rings = 0;
 };
 
 /// A mesh that is deformed by the spheres of one level after another (thesis, section 4.7.3). Each move is carried out
@@ -57,13 +68,13 @@ class DeformationSession {
   [[nodiscard]] Expected<void> go_to(std::size_t spheres);
 
   /// Shows what a move would do, instead of any preview before. Fails for what `check()` refuses, and shows nothing.
-  [[nodiscard]] Expected<void> preview(const SphereMove& move, MoveFrame frame = MoveFrame::Model);
+  [[nodiscard]] Expected<void> preview(const SphereMove& move, const MoveOptions& options = {});
   /// Makes the preview a step that can be undone, and fits the spheres to the mesh.
   void commit();
   /// Drops the preview.
   void cancel();
   /// Previews and commits.
-  [[nodiscard]] Expected<void> move(const SphereMove& move, MoveFrame frame = MoveFrame::Model);
+  [[nodiscard]] Expected<void> move(const SphereMove& move, const MoveOptions& options = {});
 
   /// What these spheres stand for stays where it is from now on, at every level; or moves again. Only what was pinned
   /// as such, a sphere of the same level, is unpinned. A step that can be undone.
@@ -84,6 +95,7 @@ class DeformationSession {
   ///   vertices 24955
   ///   level 40
   ///   move spheres 3 7 translate 0 0.1 0 rotate 0 0 0.5 about 1 0 0 scale 1.1 radius 0.2 frame parent
+  ///   move spheres 5 translate 0 0 0.01 surface 2
   ///   pin spheres 4
   ///   unpin spheres 4
   /// All of a move but its spheres may be left out; what follows # is a comment. On the same mesh with the same options
@@ -94,7 +106,7 @@ class DeformationSession {
   struct Step {
     std::size_t level = 0;  // spheres
     SphereMove move = {};   // of a move; of a pin, which spheres
-    MoveFrame frame = MoveFrame::Model;
+    MoveOptions options = {};
     std::optional<bool> pins = {};             // of a pin: whether it pins
     std::vector<VertexId> changed = {};        // by the move
     std::vector<Eigen::Vector3d> others = {};  // of each, where it is on the other side of the step
@@ -108,6 +120,7 @@ class DeformationSession {
   void step_over(Step& step, bool forward);
   [[nodiscard]] SphereMove in_model(const SphereMove& move, MoveFrame frame) const;
   [[nodiscard]] SkinWeights weights_around_pins();
+  Expected<void> move_surface(const SphereMove& move, std::span<const SphereMotion> motions, std::size_t rings);
 
   const Hierarchy* hierarchy_;
   std::unique_ptr<const HeatDiffusion> diffusion_;
@@ -122,6 +135,12 @@ class DeformationSession {
   std::unordered_map<NodeId, FittedSphere> fits_;  // of the level, to the mesh as committed
   std::set<NodeId> pinned_;
   std::optional<Step> previewed_;
+  std::optional<Laplacian> laplacian_;  // of the undeformed mesh, once a surface was moved
+  struct Surface {
+    std::vector<bool> free;  // by sphere of the level
+    AsRigidAsPossible solver;
+  };
+  std::optional<Surface> surface_;  // of the last preview
   std::vector<Step> done_;
   std::vector<Step> undone_;
 };
