@@ -239,14 +239,14 @@ Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> 
     RingCut& cutter = cutters.local();
     const LevelNode& node = tree.nodes()[nodes[i]];
     Solved& result = solved[i];
-    result.faces = cutter.cut(node, cutter.ring_around(node, kReach * model.offset()));
+    result.faces = cutter.cut(node, cutter.ring_around(node, kReach * model.offset(node.through)));
     if (result.faces.empty()) return;
     const PartFrame frame = frame_of(surface, result.faces);
     const PartFrame& wanted_frame = onto_reference.frame();
     const double girth_scale = reference_root.girth / node.girth;
     result.registration = onto_reference.lay(frame, girth_scale, middles(mesh, result.faces, kSamples));
     // What is like the reference as a whole, or else about the cut, ends where the reference does.
-    const Ring ring = cutter.ring_around(node, std::max(kReach * model.offset(), kCarryReach * node.girth));
+    const Ring ring = cutter.ring_around(node, std::max(kReach * model.offset(node.through), kCarryReach * node.girth));
     result.copy = result.registration.residual < kCopy * wanted_frame.size;
     const auto about_cut = some_of(mesh, ring.near, kSamples);
     Registration carry = result.copy ? onto_reference.refine(result.registration, about_cut)

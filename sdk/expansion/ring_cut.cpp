@@ -129,8 +129,9 @@ std::vector<FaceId> RingCut::cut(const LevelNode& node, const Ring& ring) {
   std::sort(band.begin(), band.end());
   band.erase(std::unique(band.begin(), band.end()), band.end());
   constexpr double kLeast = 0.05;
-  const double isovalue = best_isovalue(
-      surface, value_, {.faces = band, .lower = kLeast, .upper = 1 - kLeast, .scale = 2 * model_->offset()});
+  const double isovalue =
+      best_isovalue(surface, value_,
+                    {.faces = band, .lower = kLeast, .upper = 1 - kLeast, .scale = 2 * model_->offset(node.through)});
   for (const VertexId v : region_) value_[v.index()] = 0;
   for (const VertexId v : ring.near) value_[v.index()] = 0;
   return above(node, ring, near, isovalue);

@@ -60,11 +60,12 @@ void PartCut::begin_stroke() {
 
 void PartCut::add_sample(Stroke& stroke, const SurfacePoint& at, const Vector3d& direction) {
   const Surface& surface = model_->surface();
-  const Vector3d up = normal_around(surface, at, model_->offset());
+  const double offset = model_->offset(at.face);
+  const Vector3d up = normal_around(surface, at, offset);
   const Vector3d leftwards = up.cross(direction).stableNormalized();
   if (leftwards.isZero()) return;
   const auto side = [&](const Vector3d& towards) {
-    return closest_corner(surface.mesh, walk(surface.mesh, surface.adjacency, at, towards, up, model_->offset()));
+    return closest_corner(surface.mesh, walk(surface.mesh, surface.adjacency, at, towards, up, offset));
   };
   Sample sample{at, side(leftwards), side(-leftwards)};
   if (sample.left == sample.right) sample.right = farthest_neighbour(surface, sample.left, -leftwards);
@@ -87,7 +88,7 @@ void PartCut::add_lone_point(Stroke& stroke) {
   for (Index k = 0; k < 3; ++k)
     isovalue += at.barycentric[k] * phi[static_cast<Index>(corners[static_cast<std::size_t>(k)].index())];
   constexpr double kReach = 12;
-  const double offset = model_->offset();
+  const double offset = model_->offset(at.face);
   const auto way = spread_along(trace_isoline(model_->surface(), {phi.data(), static_cast<std::size_t>(phi.size())},
                                               at.face, isovalue, kReach * offset),
                                 2 * offset, 2 * static_cast<std::size_t>(kReach));
@@ -144,7 +145,7 @@ void PartCut::add_point(const SurfacePoint& drawn) {
     add_sample(stroke, last, way);
   }
   stroke.points.push_back({point});
-  const auto pieces = static_cast<int>(std::min(1e4, std::ceil(way.norm() / (2 * model_->offset()))));
+  const auto pieces = static_cast<int>(std::min(1e4, std::ceil(way.norm() / (2 * model_->offset(point.face)))));
   SurfacePoint at = last;
   for (int i = 1; i <= pieces; ++i) {
     at = i == pieces ? point : surface.tree.closest(last.point + way * i / pieces, {.hint = at.face});
@@ -220,7 +221,7 @@ void PartCut::choose_cut() {
   const CutSearch search{.faces = component_faces_,
                          .lower = std::min(static_cast<double>(lower) / kBins, 0.5 - kLeast),
                          .upper = std::max(static_cast<double>(upper) / kBins, 0.5 + kLeast),
-                         .scale = 2 * model_->offset()};
+                         .scale = 2 * model_->offset(component_faces_.front())};
   isovalue_ = best_isovalue(model_->surface(), {field_.data(), static_cast<std::size_t>(field_.size())}, search);
 
   // What protrudes is the part: the conformal factor has mean 0, so its integral is positive on one side.

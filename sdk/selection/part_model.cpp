@@ -60,12 +60,27 @@ VectorXd gaussian_curvature(const Surface& surface) {
   return K;
 }
 
-double mean_edge(const Surface& surface) {
-  double sum = 0;
-  for (const auto& [a, b] : surface.adjacency.edges())
-    sum += (surface.mesh.position(a) - surface.mesh.position(b)).norm();
-  const std::size_t count = surface.adjacency.edge_count();
-  return count == 0 ? 0 : sum / static_cast<double>(count);
+/// How far from a stroke its constraints lie, by component.
+std::vector<double> offsets_of(const Surface& surface, const Components& components) {
+  struct Size {
+    Eigen::AlignedBox3d box;
+    double lengths = 0;
+    double edges = 0;
+  };
+  std::vector<Size> sizes(components.count);
+  for (std::size_t e = 0; e < surface.adjacency.edge_count(); ++e) {
+    const auto& [a, b] = surface.adjacency.edge(EdgeId(e));
+    Size& size = sizes[components.of_face[surface.adjacency.faces(EdgeId(e)).front().index()]];
+    for (const VertexId end : {a, b}) size.box.extend(surface.mesh.position(end));
+    size.lengths += (surface.mesh.position(a) - surface.mesh.position(b)).norm();
+    ++size.edges;
+  }
+  constexpr double kOffset = 0.01;
+  constexpr double kOffsetEdges = 1.5;
+  std::vector<double> offsets;
+  for (const Size& size : sizes)
+    offsets.push_back(std::max(kOffset * size.box.diagonal().norm(), kOffsetEdges * size.lengths / size.edges));
+  return offsets;
 }
 
 }  // namespace
@@ -97,9 +112,7 @@ Expected<PartModel> PartModel::build(const Surface& of, const Task& task) {
 
   PartModel model(surface, std::move(calm), std::move(laplacian), std::move(*factor));
   model.components_ = std::move(components);
-  constexpr double kOffset = 0.01;
-  constexpr double kOffsetEdges = 1.5;
-  model.offset_ = std::max(kOffset * surface.diagonal, kOffsetEdges * mean_edge(surface));
+  model.offsets_ = offsets_of(surface, model.components_);
 
   // L phi = K - K_target, so that what protrudes comes out highest.
   task.report("conformal factor", 0);

@@ -17,24 +17,24 @@
 #include "tools/evaluation/shapes.h"
 
 namespace armature::tools {
-namespace {
 
 using Eigen::Vector3d;
 
-/// Points across one side of what protrudes most: on the isoline of the conformal factor a tenth of the diagonal below
-/// the tip.
-std::vector<sdk::SurfacePoint> stroke_below_tip(const sdk::PartModel& model) {
+std::vector<sdk::SurfacePoint> stroke_below(const sdk::PartModel& model, const PartTip& wanted) {
   const sdk::Surface& surface = model.surface();
   const sdk::Mesh& mesh = surface.mesh;
   const Eigen::VectorXd& phi = model.conformal_factor();
   const auto value = [&](sdk::VertexId v) { return phi[static_cast<Eigen::Index>(v.index())]; };
   sdk::VertexId tip(0);
+  const auto better = [&](sdk::VertexId a, sdk::VertexId b) {
+    if (!wanted.at) return value(a) > value(b);
+    return (mesh.position(a) - *wanted.at).squaredNorm() < (mesh.position(b) - *wanted.at).squaredNorm();
+  };
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    if (value(sdk::VertexId(v)) > value(tip)) tip = sdk::VertexId(v);
+    if (better(sdk::VertexId(v), tip)) tip = sdk::VertexId(v);
   // Down from the tip, always to the lowest neighbour.
   sdk::VertexId at = tip;
-  constexpr double kBelow = 0.1;
-  while ((mesh.position(at) - mesh.position(tip)).norm() < kBelow * surface.diagonal) {
+  while ((mesh.position(at) - mesh.position(tip)).norm() < wanted.below * surface.diagonal) {
     const auto neighbours = surface.adjacency.neighbours(at);
     if (neighbours.empty()) break;
     const auto lowest =
@@ -51,7 +51,7 @@ std::vector<sdk::SurfacePoint> stroke_below_tip(const sdk::PartModel& model) {
     if (low > value(at) || high < value(at)) continue;
     const sdk::FaceId face(f);
     const Vector3d middle = (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
-    if ((middle - mesh.position(at)).norm() > kBelow / 2 * surface.diagonal) continue;
+    if ((middle - mesh.position(at)).norm() > wanted.below / 2 * surface.diagonal) continue;
     if (sdk::area_vector(mesh, face).dot(up) <= 0) continue;
     found.push_back({middle.dot(across), {face, middle, Vector3d::Constant(1.0 / 3), 0}});
   }
@@ -64,9 +64,7 @@ std::vector<sdk::SurfacePoint> stroke_below_tip(const sdk::PartModel& model) {
   return stroke;
 }
 
-}  // namespace
-
-sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, int rounds, const sdk::Task& task) {
+sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, const PartTip& tip, int rounds, const sdk::Task& task) {
   if (!(sdk::surface_area(mesh) > 0)) return sdk::fail("the mesh has no area: there is nothing to draw on");
   constexpr double kNever = std::numeric_limits<double>::infinity();
   PartTimes best{kNever, kNever, kNever, 0, kNever};
@@ -82,7 +80,7 @@ sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, int rounds, const sdk
 
     sdk::PartCut cut(*model);
     std::vector<double> steps;
-    for (const sdk::SurfacePoint& point : stroke_below_tip(*model)) {
+    for (const sdk::SurfacePoint& point : stroke_below(*model, tip)) {
       start = std::chrono::steady_clock::now();
       cut.add_point(point);
       const auto faces = cut.faces();

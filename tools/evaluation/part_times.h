@@ -1,9 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <vector>
 
+#include <Eigen/Core>
 #include <armature/sdk/error.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/selection/part_model.h>
 #include <armature/sdk/task.h>
 
 namespace armature::tools {
@@ -17,9 +21,18 @@ struct PartTimes {
   double expand_ms = 0;      ///< all of these (ET)
 };
 
-/// The fastest of some rounds. The stroke lies across one side of what protrudes most, a tenth of the diagonal below
-/// its tip. A mesh without area is refused.
-[[nodiscard]] sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, int rounds, const sdk::Task& task);
+/// Where a part ends that somebody might select.
+struct PartTip {
+  std::optional<Eigen::Vector3d> at = std::nullopt;  ///< about where; otherwise what protrudes most
+  double below = 0.1;                                ///< how far below the tip the stroke lies, of the diagonal
+};
+
+/// Points across one side of what protrudes there, along the isoline of the conformal factor: as a hand would draw.
+[[nodiscard]] std::vector<sdk::SurfacePoint> stroke_below(const sdk::PartModel& model, const PartTip& tip);
+
+/// The fastest of some rounds, for such a stroke. A mesh without area is refused.
+[[nodiscard]] sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, const PartTip& tip, int rounds,
+                                                  const sdk::Task& task);
 
 /// A ball with horns of one shape, spread evenly: an icosphere of 10 * 4^rounds + 2 vertices.
 [[nodiscard]] sdk::Mesh horned_ball(int rounds, int horns);

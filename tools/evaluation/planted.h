@@ -23,6 +23,7 @@ struct PlantedScene {
   sdk::Mesh mesh = {};
   std::vector<sdk::FaceId> reference = {};  ///< ascending
   std::vector<PlantedCopy> copies = {};     ///< without the reference
+  bool turns_known = true;                  ///< of the copies
 };
 
 /// What is planted.
@@ -30,6 +31,7 @@ struct PlantOptions {
   std::size_t copies = 8;
   double largest_scale = 1;  ///< copies are up to so many times as large, or as small, as the reference
   bool mirrored = false;     ///< every other copy is a mirror image
+  double bend_rad = 0;       ///< copies of models are bent along their longest side, by up to it from end to end
   double noise_percent =
       0;  ///< of the diagonal of the ball's, or a model's, bounding box: every vertex moves by up to it
   std::uint32_t seed = 1;

@@ -63,7 +63,8 @@ inline constexpr std::array<PublishedPatchRow, 8> kTable52 = {{
     {"Goro", 82, 7, 0.02, 5685, 1471, 56, "sd_dragon_vrip_res2.ply"},
 }};
 
-/// A row of Table 5.1, in milliseconds, and a model of about the same size that can be had.
+/// A row of Table 5.1, in milliseconds, a model of about the same size that can be had, and what is cut off from it:
+/// about where its tip is, in the model's frame and unit, and how far below that the stroke lies, of the diagonal.
 struct PublishedPartRow {
   std::string_view model;
   double thousand_vertices;
@@ -71,14 +72,16 @@ struct PublishedPartRow {
   int strokes;
   double expand_ms;
   std::string_view file;
+  std::array<double, 3> tip;
+  double below;
 };
 inline constexpr std::array<PublishedPartRow, 6> kTable51 = {{
-    {"Octopus", 12, 374, 16, 6, 97, "vh_octopus.off"},
-    {"SeaMonster", 57, 1793, 83, 35, 2385, "qmvc_SpikyBox.obj"},
-    {"Goro", 82, 2822, 95, 12, 1158, "sd_dragon_vrip_res2.ply"},
-    {"Dragon", 100, 3588, 162, 47, 6900, "sd_dragon_vrip_res2.ply"},
-    {"Chair", 14, 360, 102, 4, 56, "ml_office_chair.obj"},
-    {"Hand", 55, 2870, 102, 8, 1056, "cg_handman.off"},
+    {"Octopus", 12, 374, 16, 6, 97, "vh_octopus.off", {0.076, 0.153, 0.366}, 0.2},
+    {"SeaMonster", 57, 1793, 83, 35, 2385, "qmvc_SpikyBox.obj", {0.235, 9.992, 0.565}, 0.03},
+    {"Goro", 82, 2822, 95, 12, 1158, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.06},
+    {"Dragon", 100, 3588, 162, 47, 6900, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.06},
+    {"Chair", 14, 360, 102, 4, 56, "ml_office_chair.obj", {-18.28, -34.4, 14.1}, 0.05},
+    {"Hand", 55, 2870, 102, 8, 1056, "cg_handman.off", {-0.945, -0.089, -0.23}, 0.15},
 }};
 
 }  // namespace armature::tools

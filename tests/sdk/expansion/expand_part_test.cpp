@@ -221,7 +221,7 @@ TEST(RingCut, HasTheFieldOfTheWholeSurfaceBetweenItsRings) {
   const auto node =
       std::find_if(tree.nodes().begin(), tree.nodes().end(), [](const LevelNode& n) { return n.area > 0.5; });
   ASSERT_NE(node, tree.nodes().end());
-  const Ring ring = cutter.ring_around(*node, 2 * model.offset());
+  const Ring ring = cutter.ring_around(*node, 2 * model.offset(node->through));
   const Eigen::VectorXd local = cutter.field(ring);
 
   SparseFactor factor = model.factor();

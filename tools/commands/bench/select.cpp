@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -10,19 +11,20 @@
 #include <utility>
 #include <vector>
 
-#include <armature/sdk/expansion/component_index.h>
 #include <armature/sdk/expansion/patch_expansion.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/selection/patch_brush.h>
 #include <fmt/format.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/commands/bench/sections.h"
 #include "tools/commands/choices.h"
 #include "tools/elapsed.h"
 #include "tools/evaluation/part_times.h"
 #include "tools/evaluation/planted.h"
 #include "tools/evaluation/published.h"
-#include "tools/evaluation/shapes.h"
+#include "tools/evaluation/selection_quality.h"
+#include "tools/evaluation/selection_tasks.h"
 #include "tools/json_lines.h"
 #include "tools/sdk_call.h"
 
@@ -48,71 +50,52 @@ class SelectBench {
  public:
   explicit SelectBench(SelectBenchOptions options) : options_(std::move(options)) {}
 
-  Expected<void> run() {
-    for (const auto& [name, section] : kSections) {
-      if (!options_.only.empty() && std::ranges::find(options_.only, name) == options_.only.end()) continue;
-      if (call_.interrupted()) return fail("stopped on request");
-      section_ = name;
-      if (auto done = (this->*section)(); !done) return done;
-    }
-    return {};
-  }
+  Expected<void> run() { return run_sections(*this, kSections, options_.only, call_, section_); }
 
   [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
 
  private:
-  using Section = Expected<void> (SelectBench::*)();
-  static const std::array<std::pair<const char*, Section>, 4> kSections;
+  static const Sections<SelectBench, 5> kSections;
 
   /// What is found of what was planted.
   Expected<void> quality() {
     title("Planted copies: of the first k, k being how many there are; goals 0.95, 0.95, 0.95 (noise: 0.90), 0.01");
-    const auto reliefs = [](const PlantOptions& options) { return planted_reliefs(options, 6); };
-    const auto components = [](const PlantOptions& options) { return planted_components(options, 5); };
-    const auto patches = [&](const PlantedScene& scene) {
-      return sdk::expand_patch(sdk::Surface(scene.mesh), scene.reference, {}, call_.task());
-    };
-    const auto whole = [&](const PlantedScene& scene) -> sdk::Expected<sdk::Expansion> {
-      const sdk::Adjacency adjacency(scene.mesh);
-      const auto index = sdk::ComponentIndex::build(scene.mesh, adjacency, call_.task());
-      if (!index) return tl::unexpected(index.error());
-      return index->expand(scene.reference.front());
-    };
-    const auto row = [&](const std::string& name, PlantOptions options, const auto& plant, const auto& expand) {
-      PlantedQuality mean;
-      for (int seed = 1; seed <= options_.seeds; ++seed) {
-        options.seed = static_cast<std::uint32_t>(seed);
-        const PlantedScene scene = plant(options);
-        const auto expansion = ours(expand(scene));
-        if (!expansion) return Expected<void>(tl::unexpected(expansion.error()));
-        const PlantedQuality one = quality_of(scene, *expansion);
-        mean.precision += one.precision / options_.seeds;
-        mean.recall += one.recall / options_.seeds;
-        mean.overlap += one.overlap / options_.seeds;
-        mean.flipped += one.flipped / options_.seeds;
-      }
-      if (options_.json)
-        return write_json_line(stdout, {{"section", section_},
-                                        {"name", name},
-                                        {"precision", number(mean.precision)},
-                                        {"recall", number(mean.recall)},
-                                        {"overlap", number(mean.overlap)},
-                                        {"flipped", number(mean.flipped)}});
-      fmt::print("{:<36} precision {:.3f}  recall {:.3f}  overlap {:.3f}  flipped {:.3f}\n", name, mean.precision,
-                 mean.recall, mean.overlap, mean.flipped);
-      std::fflush(stdout);
-      return Expected<void>();
-    };
-    for (const double noise : {0.0, 0.2})
-      for (const bool mirrored : {false, true}) {
-        const std::string how =
-            fmt::format("{}{}", mirrored ? ", half mirrored" : "", noise > 0 ? ", 0.2 % noise" : "");
-        const PlantOptions options{.mirrored = mirrored, .noise_percent = noise};
-        if (auto said = row("patches" + how, options, reliefs, patches); !said) return said;
-        PlantOptions sizes = options;
-        sizes.largest_scale = 2;
-        if (auto said = row("components, sizes 1/2 to 2" + how, sizes, components, whole); !said) return said;
-      }
+    auto cases = ours(planted_cases(call_.task()));
+    if (!cases) return tl::unexpected(cases.error());
+    if (!options_.models.empty()) {
+      auto more = ours(model_cases(options_.models, call_.task()));
+      if (!more) return tl::unexpected(more.error());
+      std::ranges::move(*more, std::back_inserter(*cases));
+    }
+    for (const QualityCase& one : *cases) {
+      const auto mean = ours(mean_quality(one, options_.seeds, call_.task()));
+      if (!mean) return tl::unexpected(mean.error());
+      if (auto said = say_quality(one.name, *mean); !said) return said;
+    }
+    return {};
+  }
+
+  /// What the thesis's participants did (annex B.2).
+  Expected<void> tasks() {
+    title("Annex B.2: tasks on stand-in models; of the first k, k being how many others there are");
+    const auto tasks = ours(selection_tasks(call_.task()));
+    if (!tasks) return tl::unexpected(tasks.error());
+    for (const SelectionTask& task : *tasks)
+      if (auto said = say_quality(task.name, quality_of(task.scene, task.expansion)); !said) return said;
+    return {};
+  }
+
+  Expected<void> say_quality(const std::string& name, const PlantedQuality& quality) const {
+    if (options_.json)
+      return write_json_line(stdout, {{"section", section_},
+                                      {"name", name},
+                                      {"precision", number(quality.precision)},
+                                      {"recall", number(quality.recall)},
+                                      {"overlap", number(quality.overlap)},
+                                      {"flipped", number(quality.flipped)}});
+    fmt::print("{:<60} precision {:.3f}  recall {:.3f}  overlap {:.3f}  flipped {:.3f}\n", name, quality.precision,
+               quality.recall, quality.overlap, quality.flipped);
+    std::fflush(stdout);
     return {};
   }
 
@@ -149,16 +132,17 @@ class SelectBench {
       const PartTimes said_there{0, printed.precompute_ms, printed.step_ms, static_cast<std::size_t>(printed.strokes),
                                  printed.expand_ms};
       if (auto said = say_parts(name, said_there); !said) return said;
-      if (auto said = time_parts(path.filename().string(), *mesh); !said) return said;
+      const PartTip tip{.at = Eigen::Vector3d(printed.tip.data()), .below = printed.below};
+      if (auto said = time_parts(path.filename().string(), *mesh, tip); !said) return said;
     }
     constexpr int kHorns = 47;
     for (int rounds = 5; rounds <= 8; ++rounds)
-      if (auto said = time_parts("47 horns", horned_ball(rounds, kHorns)); !said) return said;
+      if (auto said = time_parts("47 horns", horned_ball(rounds, kHorns), {}); !said) return said;
     return {};
   }
 
-  Expected<void> time_parts(const std::string& name, const sdk::Mesh& mesh) {
-    const auto times = part_times(mesh, options_.rounds, call_.task());
+  Expected<void> time_parts(const std::string& name, const sdk::Mesh& mesh, const PartTip& tip) {
+    const auto times = part_times(mesh, tip, options_.rounds, call_.task());
     if (!times && call_.interrupted()) return fail("stopped on request");
     if (!times) {
       // Where the stroke that is made up for a model cuts nothing off.
@@ -246,18 +230,19 @@ class SelectBench {
   std::string section_;
 };
 
-const std::array<std::pair<const char*, SelectBench::Section>, 4> SelectBench::kSections = {
-    {{"quality", &SelectBench::quality},
-     {"parts", &SelectBench::parts},
-     {"table", &SelectBench::table},
-     {"sizes", &SelectBench::sizes}}};
+const Sections<SelectBench, 5> SelectBench::kSections = {{{"quality", &SelectBench::quality},
+                                                          {"tasks", &SelectBench::tasks},
+                                                          {"parts", &SelectBench::parts},
+                                                          {"table", &SelectBench::table},
+                                                          {"sizes", &SelectBench::sizes}}};
 
 }  // namespace
 
 void add_bench_select(CLI::App& bench, Run& run) {
   auto options = std::make_shared<SelectBenchOptions>();
   CLI::App* select = bench.add_subcommand("select", "Selecting regions and their likes: what is found, and how fast.");
-  select->add_option("--models", options->models, "folder of models for the table; without it the table is left out")
+  select
+      ->add_option("--models", options->models, "folder of models for tables and quality; without it they are left out")
       ->check(CLI::ExistingDirectory);
   select->add_option("--only", options->only, "some of the experiments")
       ->delimiter(',')

@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/commands/bench/sections.h"
 #include "tools/commands/choices.h"
 #include "tools/elapsed.h"
 #include "tools/evaluation/published.h"
@@ -51,23 +52,13 @@ class SphereMeshBench {
  public:
   explicit SphereMeshBench(SphereMeshBenchOptions options) : options_(std::move(options)) {}
 
-  Expected<void> run() {
-    for (const auto& [name, section] : kSections) {
-      const bool wanted = options_.only.empty() || std::ranges::find(options_.only, name) != options_.only.end();
-      if (!wanted) continue;
-      if (call_.interrupted()) return fail("stopped on request");
-      section_ = name;
-      if (auto done = (this->*section)(); !done) return done;
-    }
-    return {};
-  }
+  Expected<void> run() { return run_sections(*this, kSections, options_.only, call_, section_); }
 
   /// The names of the experiments, in their order.
   [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
 
  private:
-  using Section = Expected<void> (SphereMeshBench::*)();
-  static const std::array<std::pair<const char*, Section>, 8> kSections;
+  static const Sections<SphereMeshBench, 8> kSections;
 
   /// Table 4.1, beside what is printed there.
   Expected<void> table() {
@@ -362,15 +353,14 @@ class SphereMeshBench {
   mutable bool headed_ = false;
 };
 
-constexpr std::array<std::pair<const char*, SphereMeshBench::Section>, 8> SphereMeshBench::kSections = {
-    {{"table", &SphereMeshBench::table},
-     {"fit", &SphereMeshBench::fit},
-     {"noise", &SphereMeshBench::noise},
-     {"shell", &SphereMeshBench::shell},
-     {"half", &SphereMeshBench::half},
-     {"few", &SphereMeshBench::few},
-     {"levels", &SphereMeshBench::levels},
-     {"growth", &SphereMeshBench::growth}}};
+constexpr Sections<SphereMeshBench, 8> SphereMeshBench::kSections = {{{"table", &SphereMeshBench::table},
+                                                                      {"fit", &SphereMeshBench::fit},
+                                                                      {"noise", &SphereMeshBench::noise},
+                                                                      {"shell", &SphereMeshBench::shell},
+                                                                      {"half", &SphereMeshBench::half},
+                                                                      {"few", &SphereMeshBench::few},
+                                                                      {"levels", &SphereMeshBench::levels},
+                                                                      {"growth", &SphereMeshBench::growth}}};
 
 }  // namespace
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <armature/sdk/error.h>
@@ -37,8 +39,12 @@ class PartModel {
   [[nodiscard]] const Eigen::VectorXd& conformal_factor() const noexcept { return conformal_factor_; }
   /// How the isolines of the conformal factor nest, for `expand_part()`.
   [[nodiscard]] const LevelTree& level_tree() const noexcept { return *level_tree_; }
-  /// How far from a stroke its constraints lie: 1 % of the diagonal or 1.5 mean edges, whichever is more.
-  [[nodiscard]] double offset() const noexcept { return offset_; }
+  /// How far from a stroke through a face its constraints lie: 1 % of the diagonal of the face's component or 1.5 of
+  /// its mean edges, whichever is more.
+  [[nodiscard]] double offset(FaceId face) const noexcept {
+    const std::uint32_t component = components_.of_face[face.index()];
+    return component == Components::kNone ? 0 : offsets_[component];
+  }
 
  private:
   struct Calm {
@@ -55,7 +61,7 @@ class PartModel {
   Components components_;
   Eigen::VectorXd conformal_factor_;
   std::shared_ptr<const LevelTree> level_tree_;
-  double offset_ = 0;
+  std::vector<double> offsets_;  // by component
 };
 
 }  // namespace armature::sdk
