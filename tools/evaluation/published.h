@@ -78,8 +78,8 @@ struct PublishedPartRow {
 inline constexpr std::array<PublishedPartRow, 6> kTable51 = {{
     {"Octopus", 12, 374, 16, 6, 97, "vh_octopus.off", {0.076, 0.153, 0.366}, 0.2},
     {"SeaMonster", 57, 1793, 83, 35, 2385, "qmvc_SpikyBox.obj", {0.235, 9.992, 0.565}, 0.03},
-    {"Goro", 82, 2822, 95, 12, 1158, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.06},
-    {"Dragon", 100, 3588, 162, 47, 6900, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.06},
+    {"Goro", 82, 2822, 95, 12, 1158, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.04},
+    {"Dragon", 100, 3588, 162, 47, 6900, "sd_dragon_vrip_res2.ply", {0.038, 0.161, -0.019}, 0.04},
     {"Chair", 14, 360, 102, 4, 56, "ml_office_chair.obj", {-18.28, -34.4, 14.1}, 0.05},
     {"Hand", 55, 2870, 102, 8, 1056, "cg_handman.off", {-0.945, -0.089, -0.23}, 0.15},
 }};
