@@ -52,9 +52,11 @@ std::vector<FaceId> PatchReference::extent(const Surface& target, const Registra
   const auto ask = [&](FaceId face, const Vector3d& at, const Answer& beside) {
     const SurfacePoint on = surface_->tree.closest(at, {.within = kReach * ball_.radius, .hint = beside.nearest});
     const SurfacePoint border = border_.closest(at, {.hint = beside.nearest_border});
-    const bool lies_there = on.face.valid() && in_patch_[on.face.index()];
+    double share = 0;
+    for (std::size_t k = 0; k < 3 && on.face.valid(); ++k)
+      share += on.barycentric[static_cast<Eigen::Index>(k)] * share_[surface_->mesh.triangle(on.face)[k].index()];
     const Vector3d facing = reference_from_target.topLeftCorner<3, 3>() * area_vector(mesh, face);
-    const bool inside = lies_there && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
+    const bool inside = share > 0.5 && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
     return Answer{at, kSure * border.distance, inside, on.face.valid() ? on.face : beside.nearest, border.face};
   };
   std::vector<Answer> answers = {{around_.centre, 0, false}};

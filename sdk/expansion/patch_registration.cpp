@@ -131,10 +131,13 @@ PatchReference::PatchReference(const Surface& surface, std::span<const FaceId> p
     : surface_(&surface),
       ball_(ball),
       around_(surface, ball.centre, ball.radius, ball.radius),
-      in_patch_(surface.mesh.triangles.size()),
+      share_(surface.mesh.positions.size()),
       cells_(cells_of(around_, ball.radius)),
       border_(border_of(surface, patch)) {
-  for (const FaceId face : patch) in_patch_[face.index()] = true;
+  for (const FaceId face : patch)
+    for (const VertexId corner : surface.mesh.triangle(face))
+      if (const double cell = surface.vertex_areas[corner.index()]; cell > 0)
+        share_[corner.index()] += area_vector(surface.mesh, face).norm() / (3 * cell);
 }
 
 Registration PatchReference::lay_onto(const Surface& target, VertexId at, double scale, bool mirrored_too) const {

@@ -63,7 +63,7 @@ class PatchReference {
   const Surface* surface_;
   PatchBall ball_;
   PatchSurroundings around_;
-  std::vector<bool> in_patch_;      // by face
+  std::vector<double> share_;       // of the area of its faces that belongs to the patch, by vertex
   std::vector<std::size_t> cells_;  // that noise is averaged over, by sample
   MeshTree border_;                 // of the patch
 };
