@@ -21,20 +21,26 @@ ARMATURE_LANES void sum_triangles(const Corners* triangles, std::size_t count, c
                                   const Vector3d& origin, Totals& totals) noexcept {
   std::array<Four, kChannels> sums{};
   for (std::size_t t = 0; t < count; t += 4) {
-    std::array<Four, 3> x{}, y{}, z{};
     // Where there are fewer the others lie at the origin, without an area.
-    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - t); ++lane)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vector3d& p = points[triangles[t + lane][k]];
-        x[k][lane] = p.x(), y[k][lane] = p.y(), z[k][lane] = p.z();
-      }
-    const Four px = x[0] - origin.x(), py = y[0] - origin.y(), pz = z[0] - origin.z();
-    const Four ux = x[1] - x[0], uy = y[1] - y[0], uz = z[1] - z[0];
-    const Four vx = x[2] - x[0], vy = y[2] - y[0], vz = z[2] - z[0];
+    std::array<std::array<const double*, 4>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t lane = 0; lane < 4; ++lane)
+        corners[k][lane] = t + lane < count ? points[triangles[t + lane][k]].data() : origin.data();
+    const Four ax{corners[0][0][0], corners[0][1][0], corners[0][2][0], corners[0][3][0]};
+    const Four ay{corners[0][0][1], corners[0][1][1], corners[0][2][1], corners[0][3][1]};
+    const Four az{corners[0][0][2], corners[0][1][2], corners[0][2][2], corners[0][3][2]};
+    const Four bx{corners[1][0][0], corners[1][1][0], corners[1][2][0], corners[1][3][0]};
+    const Four by{corners[1][0][1], corners[1][1][1], corners[1][2][1], corners[1][3][1]};
+    const Four bz{corners[1][0][2], corners[1][1][2], corners[1][2][2], corners[1][3][2]};
+    const Four cx{corners[2][0][0], corners[2][1][0], corners[2][2][0], corners[2][3][0]};
+    const Four cy{corners[2][0][1], corners[2][1][1], corners[2][2][1], corners[2][3][1]};
+    const Four cz{corners[2][0][2], corners[2][1][2], corners[2][2][2], corners[2][3][2]};
+    const Four px = ax - origin.x(), py = ay - origin.y(), pz = az - origin.z();
+    const Four ux = bx - ax, uy = by - ay, uz = bz - az;
+    const Four vx = cx - ax, vy = cy - ay, vz = cz - az;
     const Four nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
     const Four squared = nx * nx + ny * ny + nz * nz;
-    Four size;
-    for (std::size_t lane = 0; lane < 4; ++lane) size[lane] = std::sqrt(squared[lane]);
+    const Four size{std::sqrt(squared[0]), std::sqrt(squared[1]), std::sqrt(squared[2]), std::sqrt(squared[3])};
     const Four inverse = 1 / (size + 1e-300);
     const Four d = nx * px + ny * py + nz * pz;
     const Four hx = nx * inverse, hy = ny * inverse, hz = nz * inverse;
@@ -66,20 +72,18 @@ void PlaneSums::add_cell(const Vector3d& p, const Vector3d& q, const Vector3d& r
   if (!(length > 0)) return;
   // Two triangles of equal area, from p to the middle of a side and the middle of all.
   const Vector3d middle = (p + ((p + q) + (p + r)) / 4 + (p + q + r) / 3) / 3;
-  PlaneSums cell;
   const Vector3d unit = N / length;
   const double at = N.dot(p);
-  cell.nn = {N.x() * unit.x(), N.x() * unit.y(), N.x() * unit.z(),
-             N.y() * unit.y(), N.y() * unit.z(), N.z() * unit.z()};
+  nn[0] += N.x() * unit.x(), nn[1] += N.x() * unit.y(), nn[2] += N.x() * unit.z();
+  nn[3] += N.y() * unit.y(), nn[4] += N.y() * unit.z(), nn[5] += N.z() * unit.z();
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
-    cell.n[k] = N[axis];
-    cell.nd[k] = unit[axis] * at;
-    cell.g[k] = length * middle[axis];
+    n[k] += N[axis];
+    nd[k] += unit[axis] * at;
+    g[k] += length * middle[axis];
   }
-  cell.size = length;
-  cell.d = at;
-  *this += cell;
+  size += length;
+  d += at;
 }
 
 SphericalQuadric PlaneSums::quadric(double regularise) const noexcept {

@@ -115,9 +115,11 @@ ARMATURE_INLINE std::array<Four, 4> lanes(const Channels* sums, std::size_t firs
 /// Moves four vertices.
 template <Way way>
 ARMATURE_INLINE void move_four(const Channels* sums, const double* totals, const Vector3d* rest, Vector3d* out) {
-  Four all, x, y, z;
+  Four all;
   std::memcpy(&all, totals, sizeof all);
-  for (int v = 0; v < 4; ++v) x[v] = rest[v].x(), y[v] = rest[v].y(), z[v] = rest[v].z();
+  Four x{rest[0].x(), rest[1].x(), rest[2].x(), rest[3].x()};
+  Four y{rest[0].y(), rest[1].y(), rest[2].y(), rest[3].y()};
+  Four z{rest[0].z(), rest[1].z(), rest[2].z(), rest[3].z()};
   if constexpr (way == Way::Linear) {
     const Four part = 1 / all;
     const auto [xx, yx, zx, xy] = lanes(sums, 0);
