@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/decimate/decimate.h"
+#include "tools/commands/edit/edit.h"
 #include "tools/commands/select/select.h"
 
 namespace {
@@ -12,6 +14,8 @@ using namespace armature::tools;
 
 void add_commands(CLI::App& app, Run& run) {
   add_bench(app, run);
+  add_decimate(app, run);
+  add_edit(app, run);
   add_forest(app, run);
   add_import(app, run);
   add_listen(app, run);

@@ -8,6 +8,7 @@
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/mesh/curvature.h>
 
+#include "sdk/hierarchy/build_with.h"
 #include "sdk/hierarchy/collapse_complex.h"
 #include "sdk/hierarchy/decimation.h"
 #include "sdk/hierarchy/links.h"
@@ -57,7 +58,7 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
 /// All that decimation works with; gone before the hierarchy is put together, which takes less.
 class Builder {
  public:
-  Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights)
+  Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights, SimilarCollapses* similar)
       : options_(options),
         shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
         metric_(shape_, {.weights = weights,
@@ -69,7 +70,8 @@ class Builder {
         decimation_(metric_, complex_,
                     {.keep_topology = options.keep_topology,
                      .penalise_flips = options.penalise_flips,
-                     .labels = options.labels}),
+                     .labels = options.labels},
+                    similar),
         wanted_(vertex_count() -
                 static_cast<std::uint32_t>(std::clamp<std::size_t>(options.stop_at, 1, vertex_count()))) {
     for (const auto& [vertex, sphere] : options.pinned) {
@@ -102,6 +104,7 @@ class Builder {
       if (complex_.steps() == before) break;
     }
     recorder_.take(complex_);
+    recorder_.take_steps(decimation_.steps());
     return true;
   }
 
@@ -131,6 +134,11 @@ class Builder {
 }  // namespace
 
 Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options, const Task& task) {
+  return build_hierarchy_with(nullptr, mesh, options, task);
+}
+
+Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const Mesh& mesh,
+                                              const HierarchyOptions& options, const Task& task) {
   if (const auto wrong = CollapseComplex::refuses(mesh.positions.size(), mesh.triangles.size()); !wrong.empty())
     return fail(wrong);
   if (const auto wrong = fault(mesh, options); !wrong.empty()) return fail(wrong);
@@ -144,7 +152,7 @@ Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOption
     weights = curved;
   }
   if (task.stopped()) return cancelled();
-  auto builder = std::make_unique<Builder>(mesh, options, weights);
+  auto builder = std::make_unique<Builder>(mesh, options, weights, similar);
   HierarchyBuild build;
   build.statistics.init_ms = milliseconds_since(start);
 

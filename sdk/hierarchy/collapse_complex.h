@@ -44,6 +44,8 @@ class CollapseComplex {
   /// kept. Corners and pairs are below `vertices`.
   CollapseComplex(std::uint32_t vertices, std::span<const Triangle> triangles, std::span<const Pair> links);
 
+  /// Of slots, in use or not.
+  [[nodiscard]] std::uint32_t slot_count() const noexcept { return static_cast<std::uint32_t>(edge_to_.size()); }
   [[nodiscard]] std::uint32_t edge_count() const noexcept { return static_cast<std::uint32_t>(edges_.size()); }
   [[nodiscard]] const Pair& edge(std::uint32_t id) const noexcept { return edges_[id]; }
   [[nodiscard]] bool alive(std::uint32_t edge) const noexcept { return (flags_[edge] & kDead) == 0; }

@@ -3,6 +3,7 @@
 
 #include <armature/sdk/hierarchy/decimate_mesh.h>
 
+#include "sdk/hierarchy/build_with.h"
 #include "sdk/hierarchy/decimation.h"
 #include "sdk/hierarchy/links.h"
 #include "sdk/hierarchy/qem_metric.h"
@@ -10,6 +11,12 @@
 namespace armature::sdk {
 
 Expected<DecimatedMesh> decimate_mesh(const Mesh& mesh, const DecimateMeshOptions& options, const Task& task) {
+  std::vector<std::uint32_t> steps;
+  return decimate_mesh_with(nullptr, steps, mesh, options, task);
+}
+
+Expected<DecimatedMesh> decimate_mesh_with(SimilarCollapses* similar, std::vector<std::uint32_t>& steps,
+                                           const Mesh& mesh, const DecimateMeshOptions& options, const Task& task) {
   if (const auto wrong = CollapseComplex::refuses(mesh.positions.size(), mesh.triangles.size()); !wrong.empty())
     return fail(wrong);
   if (options.vertices == 0) return fail("vertices: expected 1 or more");
@@ -19,8 +26,8 @@ Expected<DecimatedMesh> decimate_mesh(const Mesh& mesh, const DecimateMeshOption
   const auto count = static_cast<std::uint32_t>(shape.positions.size());
   QemMetric metric(shape, options.boundary_weight);
   CollapseComplex complex(count, shape.triangles, links_of_loose_vertices(shape, {}));
-  Decimation<QemMetric> decimation(metric, complex,
-                                   {.keep_topology = options.keep_topology, .penalise_flips = options.penalise_flips});
+  Decimation<QemMetric> decimation(
+      metric, complex, {.keep_topology = options.keep_topology, .penalise_flips = options.penalise_flips}, similar);
   decimation.offer(0);
 
   std::vector<std::uint32_t> into(count);  // chains of slots, each ending at one that is in use
@@ -28,6 +35,7 @@ Expected<DecimatedMesh> decimate_mesh(const Mesh& mesh, const DecimateMeshOption
   const auto wanted = count - static_cast<std::uint32_t>(std::min<std::size_t>(options.vertices, count));
   if (!decimation.run(wanted, task, [&](std::uint32_t kept, std::uint32_t gone) { into[gone] = kept; }))
     return cancelled();
+  steps = decimation.steps();
 
   DecimatedMesh result;
   std::vector<VertexId> vertex_in(count);  // by slot

@@ -65,6 +65,10 @@ std::string fault(const Hierarchy::Parts& parts) {
   if (collapses >= leaves) return "expected fewer collapses than vertices, found " + std::to_string(collapses);
   if (parts.spheres.size() != collapses || parts.lasting.size() != collapses + 1)
     return "expected a sphere and a count of triangles for every collapse";
+  for (std::size_t k = 0; k < parts.steps.size(); ++k)
+    if (parts.steps[k] <= (k == 0 ? 0 : parts.steps[k - 1])) return at("step", k) + ": expected one collapse or more";
+  if (!parts.steps.empty() && parts.steps.back() != collapses)
+    return "expected steps that end with the last collapse, " + std::to_string(collapses);
   for (std::size_t k = 0; k < leaves; ++k)
     if (!finite(parts.leaves[k])) return at("vertex", k) + " is not finite";
   for (std::size_t k = 0; k < parts.pinned.size(); ++k) {
@@ -157,6 +161,12 @@ std::array<NodeId, 2> Hierarchy::children(NodeId node) const noexcept {
   assert(!is_leaf(node));
   const auto [a, b] = parts_.children[node.index() - leaf_count()];
   return {NodeId(a), NodeId(b)};
+}
+
+std::size_t Hierarchy::steps_to(std::size_t spheres) const noexcept {
+  const std::size_t collapses = leaf_count() - spheres;
+  if (parts_.steps.empty() || collapses == 0) return collapses;
+  return static_cast<std::size_t>(std::ranges::lower_bound(parts_.steps, collapses) - parts_.steps.begin()) + 1;
 }
 
 std::vector<NodeId> Hierarchy::nodes_of_level(std::size_t spheres) const {

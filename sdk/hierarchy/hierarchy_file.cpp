@@ -23,6 +23,8 @@
 //   1 by level but the last: triangles that it has and the next has not
 //   3 by triangle         its vertices
 //   4 by wire edge        its vertices, its first level, levels from there to its last
+// and, of a hierarchy whose collapses are done together in steps:
+//   1 how many steps, and by step how many collapses it has
 // Vertices are written as their difference to the one before in the same list, folded: 0, -1, 1, -2...
 namespace armature::sdk {
 namespace {
@@ -133,6 +135,13 @@ Expected<Hierarchy::Parts> parse_parts(Reader in, std::string_view name) {
     wire.first = in.varint();
     wire.last = wire.first + in.varint();
   }
+  if (in.ok() && in.left() > 0) {
+    const std::uint32_t steps = in.varint();
+    if (!in.ok() || in.left() < steps) return fail(std::string(name) + ": the steps end early");
+    parts.steps.resize(steps);
+    std::uint32_t done = 0;
+    for (auto& step : parts.steps) step = done += in.varint();
+  }
   if (!in.ok()) return fail(std::string(name) + ": the contents end early or hold a number above 2^32");
   if (in.left() != 0) return fail(std::string(name) + ": " + std::to_string(in.left()) + " bytes too many");
   return parts;
@@ -168,6 +177,11 @@ std::string encode_hierarchy(const Hierarchy& hierarchy) {
     for (const auto end : wire.ends) delta.put(end);
     append_varint(body, wire.first);
     append_varint(body, wire.last - wire.first);
+  }
+  if (!parts.steps.empty()) {
+    append_varint(body, static_cast<std::uint32_t>(parts.steps.size()));
+    for (std::size_t k = 0; k < parts.steps.size(); ++k)
+      append_varint(body, parts.steps[k] - (k == 0 ? 0 : parts.steps[k - 1]));
   }
 
   std::string file(kMagic.data(), kMagic.size());

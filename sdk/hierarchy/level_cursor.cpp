@@ -213,6 +213,21 @@ bool LevelCursor::refine() {
   return true;
 }
 
+bool LevelCursor::coarsen_step() {
+  const std::size_t done = hierarchy_->steps_to(size());
+  const bool ended = size() == hierarchy_->spheres_after(done);
+  if (ended && done == hierarchy_->step_count()) return false;
+  go_to(hierarchy_->spheres_after(ended ? done + 1 : done));
+  return true;
+}
+
+bool LevelCursor::refine_step() {
+  const std::size_t done = hierarchy_->steps_to(size());
+  if (done == 0) return false;
+  go_to(hierarchy_->spheres_after(done - 1));
+  return true;
+}
+
 void LevelCursor::go_to(std::size_t spheres) {
   // A level begun anew costs about what as many steps do as it has spheres.
   const std::size_t steps = spheres > size() ? spheres - size() : size() - spheres;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <armature/sdk/hierarchy/hierarchy.h>
@@ -24,6 +25,8 @@ class Recorder {
   [[nodiscard]] std::vector<std::uint32_t> roots() const;
   /// Takes what the complex knows, once the last collapse is recorded.
   void take(CollapseComplex& complex);
+  /// Takes where the steps of collapses that belong together end; none: each is a step of its own.
+  void take_steps(std::vector<std::uint32_t> ends) { parts_.steps = std::move(ends); }
   /// All parts, once everything is taken.
   [[nodiscard]] Hierarchy::Parts finish(const Mesh& mesh, const NormalisedShape& shape);
 

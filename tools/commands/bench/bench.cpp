@@ -7,6 +7,7 @@ void add_bench(CLI::App& app, Run& run) {
   bench->require_subcommand(1);
   add_bench_collapse(*bench, run);
   add_bench_deform(*bench, run);
+  add_bench_decimate(*bench, run);
   add_bench_select(*bench, run);
   add_bench_spheremesh(*bench, run);
   add_bench_steering(*bench, run);

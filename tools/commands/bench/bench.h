@@ -7,6 +7,7 @@ namespace armature::tools {
 // Each adds one subcommand to `armature bench`. One source file a benchmark.
 void add_bench_collapse(CLI::App& bench, Run& run);
 void add_bench_deform(CLI::App& bench, Run& run);
+void add_bench_decimate(CLI::App& bench, Run& run);
 void add_bench_select(CLI::App& bench, Run& run);
 void add_bench_spheremesh(CLI::App& bench, Run& run);
 void add_bench_steering(CLI::App& bench, Run& run);

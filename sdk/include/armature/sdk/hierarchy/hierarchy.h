@@ -52,6 +52,9 @@ class Hierarchy {
     std::vector<Triangle> triangles;                     ///< those that last longest first
     std::vector<std::uint32_t> lasting;  ///< by level: how many triangles it has; collapses + 1 entries, descending
     std::vector<WireEdge> wire_edges;    ///< those that last longest first
+    /// Where collapses are done together (`build_similar_hierarchy()`): how many are done at the end of each step,
+    /// ascending to all of them. Empty: every collapse is a step.
+    std::vector<std::uint32_t> steps = {};
   };
 
   Hierarchy() = default;
@@ -66,6 +69,19 @@ class Hierarchy {
   [[nodiscard]] std::size_t node_count() const noexcept { return leaf_count() + collapse_count(); }
   /// Spheres of the coarsest level.
   [[nodiscard]] std::size_t min_spheres() const noexcept { return leaf_count() - collapse_count(); }
+
+  /// How many steps lead from the finest level to the coarsest: as many as collapses, fewer where these are done
+  /// together.
+  [[nodiscard]] std::size_t step_count() const noexcept {
+    return parts_.steps.empty() ? collapse_count() : parts_.steps.size();
+  }
+  /// Spheres of the level after so many steps, up to `step_count()`; 0 is the finest.
+  [[nodiscard]] std::size_t spheres_after(std::size_t steps) const noexcept {
+    if (steps == 0) return leaf_count();
+    return leaf_count() - (parts_.steps.empty() ? steps : parts_.steps[steps - 1]);
+  }
+  /// How many steps are done, at least in part, at the level with so many spheres.
+  [[nodiscard]] std::size_t steps_to(std::size_t spheres) const noexcept;
 
   /// Whether the node is an input vertex.
   [[nodiscard]] bool is_leaf(NodeId node) const noexcept { return node.index() < leaf_count(); }

@@ -1,0 +1,108 @@
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <armature/sdk/decimation/similar_decimation.h>
+
+#include "sdk/decimation/similar_regions.h"
+#include "sdk/hierarchy/build_with.h"
+
+namespace armature::sdk {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Expected<void> checked(const SimilarityOptions& options) {
+  if (!(options.threshold >= 0) || !std::isfinite(options.threshold))
+    return fail("similarity threshold: expected 0 or more");
+  if (!(options.cost_ratio >= 1) || !std::isfinite(options.cost_ratio)) return fail("cost ratio: expected 1 or more");
+  if (!(options.area_ratio >= 1) || !std::isfinite(options.area_ratio)) return fail("area ratio: expected 1 or more");
+  if (options.scales == 0 || options.scales > 64) return fail("scales: expected 1 to 64");
+  return {};
+}
+
+bool does_one_at_a_time(const SimilarityOptions& options) {
+  return options.threshold == 0 && !options.adaptive;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const SimilarityOptions& options,
+                                                        const Task& task) {
+  if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
+  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(mesh);
+  PointSet points = point_set_of(mesh);
+  std::vector<double> scales = gls_scales(points, options.scales);
+  // At one place everything is alike.
+  if (scales.empty()) scales = {1};
+  const auto gls = GrowingLeastSquares::build(std::move(points), {.scales = std::move(scales)}, task);
+  if (!gls) return tl::unexpected(gls.error());
+  switch (options.descriptor) {
+    case RegionDescriptor::GlsMean: return gls_descriptor(*gls, GlsAggregation::Mean, task);
+    case RegionDescriptor::ScaledGlsHistograms: return gls_descriptor(*gls, GlsAggregation::ScaledHistograms, task);
+    case RegionDescriptor::MergedGls: return gls_descriptor(*gls, GlsAggregation::Merged, task);
+    default: return gls_descriptor(*gls, GlsAggregation::Histograms, task);
+  }
+}
+
+Expected<HierarchyBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
+                                                 const HierarchyOptions& options, const SimilarityOptions& similarity,
+                                                 const Task& task) {
+  if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
+  if (descriptor.size() != mesh.positions.size())
+    return fail("descriptor: expected one of the mesh's " + std::to_string(mesh.positions.size()) +
+                " vertices, found one of " + std::to_string(descriptor.size()));
+  if (does_one_at_a_time(similarity)) return build_hierarchy(mesh, options, task);
+  SimilarRegions regions(descriptor, similarity);
+  return build_hierarchy_with(&regions, mesh, options, task);
+}
+
+Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options,
+                                               const SimilarityOptions& similarity, const Task& task) {
+  if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
+  SimilarBuild result;
+  if (does_one_at_a_time(similarity) || mesh.positions.empty()) {
+    auto plain = build_hierarchy(mesh, options, task);
+    if (!plain) return tl::unexpected(plain.error());
+    result.build = std::move(*plain);
+    return result;
+  }
+  const auto start = Clock::now();
+  const auto descriptor = region_descriptor(mesh, similarity, task);
+  if (!descriptor) return tl::unexpected(descriptor.error());
+  result.descriptor_ms = milliseconds_since(start);
+  auto build = build_similar_hierarchy(mesh, **descriptor, options, similarity, task);
+  if (!build) return tl::unexpected(build.error());
+  result.build = std::move(*build);
+  return result;
+}
+
+Expected<SimilarMesh> decimate_similar_mesh(const Mesh& mesh, const DecimateMeshOptions& options,
+                                            const SimilarityOptions& similarity, const Task& task) {
+  if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
+  SimilarMesh result;
+  auto start = Clock::now();
+  std::unique_ptr<Descriptor> descriptor;
+  std::unique_ptr<SimilarRegions> regions;
+  if (!does_one_at_a_time(similarity) && !mesh.positions.empty()) {
+    auto made = region_descriptor(mesh, similarity, task);
+    if (!made) return tl::unexpected(made.error());
+    descriptor = std::move(*made);
+    regions = std::make_unique<SimilarRegions>(*descriptor, similarity);
+    result.descriptor_ms = milliseconds_since(start);
+  }
+  start = Clock::now();
+  std::vector<std::uint32_t> steps;
+  auto decimated = decimate_mesh_with(regions.get(), steps, mesh, options, task);
+  if (!decimated) return tl::unexpected(decimated.error());
+  result.decimated = std::move(*decimated);
+  result.decimate_ms = milliseconds_since(start);
+  result.steps = regions ? steps.size() : mesh.positions.size() - result.decimated.mesh.positions.size();
+  return result;
+}
+
+}  // namespace armature::sdk

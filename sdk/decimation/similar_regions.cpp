@@ -1,0 +1,112 @@
+#include "sdk/decimation/similar_regions.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace armature::sdk {
+namespace {
+
+// Every collapse earns so many looks at others, which later steps may spend: fine levels, whose steps are large, pay
+// for coarse ones, at which everything can be looked at. So the time grows with the number of collapses alone.
+constexpr std::size_t kFirstLooks = 1024;
+constexpr std::size_t kLooksEarned = 8;
+
+// Where the first gap lies in ranked dissimilarities: the next is so many times the one before, and so much more.
+constexpr double kGapRatio = 1.5, kLeastGap = 0.01;
+constexpr double kMostAdaptive = 0.4;
+
+constexpr double kUnlike = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+SimilarRegions::SimilarRegions(const Descriptor& descriptor, const SimilarityOptions& options)
+    : descriptor_(descriptor),
+      options_(options),
+      width_(descriptor.width()),
+      place_(descriptor.size(), kNoIndex),
+      reference_(width_),
+      other_(width_),
+      scratch_(width_),
+      looks_(kFirstLooks) {
+  areas_.reserve(descriptor.size());
+  for (std::size_t v = 0; v < descriptor.size(); ++v) {
+    descriptor.describe(VertexId(v), scratch_);
+    areas_.push_back(static_cast<float>(descriptor.area(scratch_)));
+  }
+}
+
+void SimilarRegions::describe(std::uint32_t slot, std::span<float> out) const {
+  if (place_[slot] == kNoIndex) {
+    descriptor_.describe(VertexId(slot), out);
+  } else {
+    std::ranges::copy(std::span(rows_).subspan(place_[slot] * width_, width_), out.begin());
+  }
+}
+
+void SimilarRegions::describe(std::uint32_t a, std::uint32_t b, std::span<float> out) {
+  describe(a, out);
+  if (place_[b] == kNoIndex) {
+    descriptor_.describe(VertexId(b), scratch_);
+    descriptor_.aggregate(out, scratch_);
+  } else {
+    descriptor_.aggregate(out, row(place_[b]));
+  }
+}
+
+std::size_t SimilarRegions::begin(std::uint32_t a, std::uint32_t b) {
+  describe(a, b, reference_);
+  area_ = areas_[a] + areas_[b];
+  return looks_;
+}
+
+double SimilarRegions::dissimilarity(std::uint32_t a, std::uint32_t b) {
+  if (looks_ > 0) --looks_;
+  const float area = areas_[a] + areas_[b];
+  const auto most = static_cast<float>(options_.area_ratio);
+  if (!(area <= most * area_ && area_ <= most * area)) return kUnlike;
+  describe(a, b, other_);
+  const double limit = options_.adaptive ? kMostAdaptive : options_.threshold;
+  const double d = descriptor_.dissimilarity(reference_, other_, limit);
+  return d < limit ? d : kUnlike;
+}
+
+double SimilarRegions::threshold(std::span<double> dissimilarities) const {
+  if (!options_.adaptive) return options_.threshold;
+  std::ranges::sort(dissimilarities);
+  double before = 0;
+  for (const double d : dissimilarities) {
+    if (d > kGapRatio * before + kLeastGap) return d;
+    before = d;
+  }
+  return kMostAdaptive;
+}
+
+void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
+  looks_ += kLooksEarned;
+  areas_[kept] += areas_[gone];
+  if (place_[kept] == kNoIndex && place_[gone] != kNoIndex) {
+    descriptor_.describe(VertexId(kept), scratch_);
+    std::swap(place_[kept], place_[gone]);
+    descriptor_.aggregate(row(place_[kept]), scratch_);
+    return;
+  }
+  if (place_[kept] == kNoIndex) {
+    if (free_.empty()) {
+      free_.push_back(static_cast<std::uint32_t>(rows_.size() / width_));
+      rows_.resize(rows_.size() + width_);
+    }
+    place_[kept] = free_.back();
+    free_.pop_back();
+    descriptor_.describe(VertexId(kept), row(place_[kept]));
+  }
+  if (place_[gone] == kNoIndex) {
+    descriptor_.describe(VertexId(gone), scratch_);
+    descriptor_.aggregate(row(place_[kept]), scratch_);
+    return;
+  }
+  descriptor_.aggregate(row(place_[kept]), row(place_[gone]));
+  free_.push_back(place_[gone]);
+  place_[gone] = kNoIndex;
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <armature/sdk/decimation/similar_decimation.h>
+
+#include "sdk/hierarchy/decimation.h"
+
+namespace armature::sdk {
+
+/// Tells which collapses are alike by the descriptors of the regions that they make. A region of one vertex has no
+/// descriptor of its own here: it is made when it is looked at.
+class SimilarRegions final : public SimilarCollapses {
+ public:
+  SimilarRegions(const Descriptor& descriptor, const SimilarityOptions& options);
+
+  std::size_t begin(std::uint32_t a, std::uint32_t b) override;
+  double dissimilarity(std::uint32_t a, std::uint32_t b) override;
+  [[nodiscard]] double threshold(std::span<double> dissimilarities) const override;
+  [[nodiscard]] double cost_ratio() const noexcept override { return options_.cost_ratio; }
+  [[nodiscard]] double area(std::uint32_t a, std::uint32_t b) const override {
+    return static_cast<double>(areas_[a]) + static_cast<double>(areas_[b]);
+  }
+  void merged(std::uint32_t kept, std::uint32_t gone) override;
+
+ private:
+  /// Writes the descriptor of the union of two slots.
+  void describe(std::uint32_t a, std::uint32_t b, std::span<float> out);
+  void describe(std::uint32_t slot, std::span<float> out) const;
+  [[nodiscard]] std::span<float> row(std::size_t place) noexcept {
+    return std::span(rows_).subspan(place * width_, width_);
+  }
+
+  const Descriptor& descriptor_;
+  SimilarityOptions options_;
+  std::size_t width_;
+  std::vector<float> rows_;           // of regions that were joined
+  std::vector<std::uint32_t> place_;  // by slot: its row; kNoIndex for a vertex alone
+  std::vector<std::uint32_t> free_;   // rows that are not in use
+  std::vector<float> areas_;          // by slot
+  std::vector<float> reference_, other_, scratch_;
+  float area_ = 0;     // of the reference
+  std::size_t looks_;  // that may still be taken
+};
+
+}  // namespace armature::sdk

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <armature/sdk/descriptors/descriptor.h>
+
+namespace armature::sdk {
+
+/// Descriptors of which a region's is the mean over its area. A region is written as its area and the integrals over
+/// it, which add up.
+class AreaMeans : public Descriptor {
+ public:
+  /// `values` are [V][count], row-major; `areas` [V].
+  AreaMeans(std::vector<float> values, std::size_t count, std::span<const double> areas)
+      : values_(std::move(values)), count_(count), areas_(areas.begin(), areas.end()) {}
+
+  [[nodiscard]] std::size_t size() const noexcept override { return areas_.size(); }
+  [[nodiscard]] std::size_t width() const noexcept override { return 1 + count_; }
+  void describe(VertexId vertex, std::span<float> out) const noexcept override {
+    out[0] = areas_[vertex.index()];
+    const auto own = std::span(values_).subspan(vertex.index() * count_, count_);
+    for (std::size_t k = 0; k < count_; ++k) out[1 + k] = out[0] * own[k];
+  }
+  [[nodiscard]] double area(std::span<const float> region) const noexcept override {
+    return static_cast<double>(region[0]);
+  }
+
+ protected:
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+
+ private:
+  std::vector<float> values_;
+  std::size_t count_;
+  std::vector<float> areas_;
+};
+
+}  // namespace armature::sdk

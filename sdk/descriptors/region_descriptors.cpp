@@ -1,0 +1,99 @@
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <armature/sdk/descriptors/descriptors.h>
+#include <armature/sdk/mesh/measures.h>
+
+#include "sdk/descriptors/area_means.h"
+
+namespace armature::sdk {
+namespace {
+
+constexpr double kNothingAlike = std::numeric_limits<double>::infinity();
+
+/// The integral of n n', as xx, yy, zz, xy, xz, yz; what it has of the planes' quadric is the same anywhere.
+class Quadrics final : public AreaMeans {
+ public:
+  using AreaMeans::AreaMeans;
+  [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
+                                     double) const noexcept override {
+    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    const Eigen::Vector2f off = smallest(a) - smallest(b);
+    return static_cast<double>(off.norm());
+  }
+
+ private:
+  static Eigen::Vector2f smallest(std::span<const float> q) noexcept {
+    Eigen::Matrix3f matrix;
+    matrix << q[1], q[4], q[5], q[4], q[2], q[6], q[5], q[6], q[3];
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+    solver.computeDirect(matrix, Eigen::EigenvaluesOnly);
+    return solver.eigenvalues().head<2>() / matrix.trace();
+  }
+};
+
+/// Histograms of unit mass, unlike by chi-square.
+class MeanHistograms final : public AreaMeans {
+ public:
+  using AreaMeans::AreaMeans;
+  [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
+                                     double) const noexcept override {
+    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    double sum = 0;
+    for (std::size_t k = 1; k < a.size(); ++k) {
+      const float x = a[k] / a[0];
+      const float y = b[k] / b[0];
+      if (x + y > 0) sum += static_cast<double>((x - y) * (x - y) / (x + y));
+    }
+    return 0.5 * sum;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh) {
+  constexpr std::size_t kEntries = 6;
+  const std::size_t n = mesh.positions.size();
+  std::vector<double> sums(n * kEntries, 0.0);
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const Eigen::Vector3d area = area_vector(mesh, FaceId(f));
+    const double length = area.norm();
+    if (!(length > 0)) continue;
+    const Eigen::Vector3d n0 = area / length;
+    const std::array<double, kEntries> nn = {n0.x() * n0.x(), n0.y() * n0.y(), n0.z() * n0.z(),
+                                             n0.x() * n0.y(), n0.x() * n0.z(), n0.y() * n0.z()};
+    for (const VertexId v : mesh.triangles[f])
+      for (std::size_t k = 0; k < kEntries; ++k) sums[v.index() * kEntries + k] += length / 3 * nn[k];
+  }
+  const std::vector<double> areas = barycentric_areas(mesh);
+  std::vector<float> means(sums.size(), 0.0F);
+  for (std::size_t k = 0; k < sums.size(); ++k)
+    if (areas[k / kEntries] > 0) means[k] = static_cast<float>(sums[k] / areas[k / kEntries]);
+  return std::make_unique<Quadrics>(std::move(means), kEntries, areas);
+}
+
+std::unique_ptr<Descriptor> patch_shape_context(const Surface& surface, const PatchContexts& contexts) {
+  constexpr std::size_t kBins = PatchContexts::kDistances * PatchContexts::kAngles;
+  std::vector<float> rows;
+  rows.reserve(surface.mesh.positions.size() * kBins);
+  for (std::size_t v = 0; v < surface.mesh.positions.size(); ++v) {
+    const Histogram context = contexts.of(VertexId(v));
+    rows.insert(rows.end(), context.begin(), context.end());
+  }
+  return std::make_unique<MeanHistograms>(std::move(rows), kBins, surface.vertex_areas);
+}
+
+std::unique_ptr<Descriptor> approximate_shape_context(const Mesh& mesh, const ComponentIndex& index) {
+  const std::size_t bins = index.size() == 0 ? 1 : index.shape(0).context.size();
+  std::vector<float> rows(mesh.positions.size() * bins, 0.0F);
+  for (std::size_t c = 0; c < index.size(); ++c)
+    for (const FaceId face : index.faces(c))
+      for (const VertexId v : mesh.triangle(face))
+        std::ranges::copy(index.shape(c).context, rows.begin() + static_cast<std::ptrdiff_t>(v.index() * bins));
+  return std::make_unique<MeanHistograms>(std::move(rows), bins, barycentric_areas(mesh));
+}
+
+}  // namespace armature::sdk

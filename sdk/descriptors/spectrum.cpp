@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <armature/sdk/descriptors/spectrum.h>
+#include <armature/sdk/laplacian/sparse_factor.h>
+#include <tbb/parallel_for.h>
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index kBlock = 10;
+constexpr Index kRows = 2048;    // of a tall matrix at a time
+constexpr double kShift = 0.05;  // sigma, of the highest value expected
+
+std::size_t chunks(Index rows) {
+  return static_cast<std::size_t>((rows + kRows - 1) / kRows);
+}
+template <class Work>
+void by_rows(Index rows, const Work& work) {
+  tbb::parallel_for(std::size_t{0}, chunks(rows), [&](std::size_t k) {
+    const Index begin = static_cast<Index>(k) * kRows;
+    work(k, begin, std::min(kRows, rows - begin));
+  });
+}
+
+/// a' b of tall matrices; sums in the order of the rows.
+MatrixXd dot(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
+  std::vector<MatrixXd> parts(chunks(a.rows()));
+  by_rows(a.rows(), [&](std::size_t k, Index begin, Index rows) {
+    parts[k].noalias() = a.middleRows(begin, rows).transpose() * b.middleRows(begin, rows);
+  });
+  MatrixXd sum = MatrixXd::Zero(a.cols(), b.cols());
+  for (const MatrixXd& part : parts) sum += part;
+  return sum;
+}
+/// w -= q c.
+void subtract(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const MatrixXd& c) {
+  by_rows(w.rows(), [&](std::size_t, Index begin, Index rows) {
+    w.middleRows(begin, rows).noalias() -= q.middleRows(begin, rows) * c;
+  });
+}
+/// q c.
+MatrixXd times(const Eigen::Ref<const MatrixXd>& q, const MatrixXd& c) {
+  MatrixXd result(q.rows(), c.cols());
+  by_rows(q.rows(), [&](std::size_t, Index begin, Index rows) {
+    result.middleRows(begin, rows).noalias() = q.middleRows(begin, rows) * c;
+  });
+  return result;
+}
+
+/// Columns that look random and are the same every time.
+void scatter(Eigen::Ref<MatrixXd> columns, std::uint64_t seed) {
+  for (double& x : columns.reshaped()) {
+    std::uint64_t z = seed += 0x9E37'79B9'7F4A'7C15U;  // splitmix64
+    z = (z ^ (z >> 30U)) * 0xBF58'476D'1CE4'E5B9U;
+    z = (z ^ (z >> 27U)) * 0x94D0'49BB'1331'11EBU;
+    x = static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-52 - 1;
+  }
+}
+
+/// Makes the columns of w orthonormal, and to those of q, which they are nearly; `before` is how long they were before
+/// q was taken out. Where nothing new is left of a column it becomes a random one.
+void orthonormalise(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const VectorXd& before,
+                    const VectorXd& root_mass) {
+  // Rounding makes a column lean on q by 1e-16 / kEnough at most: half of the digits are enough (Simon 1984).
+  constexpr double kEnough = 1e-6;
+  constexpr double kNothing = 1e-12;
+  constexpr double kWellApart = 0.1;
+  bool leans = (w.colwise().norm().transpose().array() < kEnough * before.array()).any();
+  for (int pass = 0; pass < 4; ++pass) {
+    VectorXd length = w.colwise().norm();
+    for (Index k = 0; k < w.cols(); ++k) {
+      if (!(length[k] > (pass == 0 ? kNothing * before[k] : kNothing))) {
+        scatter(w.col(k), static_cast<std::uint64_t>(q.cols() + k + 1));
+        w.col(k).array() *= root_mass.array();
+        length[k] = w.col(k).norm();
+        leans = true;
+      }
+      w.col(k) /= length[k];
+    }
+    if (leans) subtract(w, q, dot(q, w));
+    leans = false;
+    const Eigen::LLT<MatrixXd> gram(dot(w, w));  // Cholesky QR
+    const double least = gram.info() == Eigen::Success ? gram.matrixLLT().diagonal().minCoeff() : 0;
+    if (least > kEnough) {
+      const MatrixXd one = MatrixXd::Identity(w.cols(), w.cols());
+      w = times(w, gram.matrixU().solve(one));
+      if (least > kWellApart) return;
+      continue;
+    }
+    for (Index k = 1; k < w.cols(); ++k) w.col(k) -= w.leftCols(k) * (w.leftCols(k).transpose() * w.col(k)).eval();
+    leans = true;
+  }
+}
+
+}  // namespace
+
+Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const SpectrumOptions& options,
+                            const Task& task) {
+  const auto n = static_cast<Index>(mesh.positions.size());
+  const VectorXd& mass = laplacian.mass;
+  const Index live = (mass.array() > 0).count();
+  if (live == 0) return fail("the mesh has no face with an area; its surface has no spectrum");
+  if (options.count == 0) return fail("count: expected one eigenpair or more");
+  const Index count = std::min(static_cast<Index>(options.count), live);
+  const VectorXd root_mass = mass.cwiseMax(0).cwiseSqrt();
+  const double expected_top = 4 * std::numbers::pi * static_cast<double>(count) / mass.sum();  // Weyl's law
+  const double sigma = kShift * expected_top;
+
+  Eigen::SparseMatrix<double> shifted = laplacian.stiffness;
+  for (Index v = 0; v < n; ++v) shifted.coeffRef(v, v) += mass[v] > 0 ? sigma * mass[v] : 1;
+  const auto factor = SparseFactor::of(shifted, mesh.positions, task);
+  if (!factor) return tl::unexpected(factor.error());
+
+  // Q' A Q with A = M^1/2 (L + sigma M)^-1 M^1/2, whose largest values belong to the lowest of L.
+  const Index most = std::min(live, static_cast<Index>(options.most) * count + 2 * kBlock);
+  MatrixXd q(n, most);
+  MatrixXd projected = MatrixXd::Zero(most, most);
+  Index size = 0;
+  Index width = std::min(kBlock, most);
+  MatrixXd w(n, width);
+  scatter(w, 0);
+  w.array().colwise() *= root_mass.array();
+  Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
+  VectorXd before = VectorXd::Ones(width);
+  MatrixXd left;  // by wanted pair: what A q leaves outside of all directions, of w
+  while (true) {
+    orthonormalise(w, q.leftCols(size), before, root_mass);
+    q.middleCols(size, width) = w;
+    by_rows(n, [&](std::size_t, Index begin, Index rows) {
+      w.middleRows(begin, rows).array().colwise() *= root_mass.segment(begin, rows).array();
+    });
+    tbb::parallel_for(Index{0}, Index{2}, [&](Index half) {
+      const Index begin = half * width / 2;
+      factor->solve(w.middleCols(begin, (half + 1) * width / 2 - begin));
+    });
+    by_rows(n, [&](std::size_t, Index begin, Index rows) {
+      w.middleRows(begin, rows).array().colwise() *= root_mass.segment(begin, rows).array();
+    });
+    before = w.colwise().norm();
+    const MatrixXd column = dot(q.leftCols(size + width), w);
+    projected.block(0, size, size + width, width) = column;
+    projected.block(size, 0, width, size + width) = column.transpose();
+    subtract(w, q.leftCols(size + width), column);
+    size += width;
+    if (task.stopped()) return cancelled();
+    task.report("eigenfunctions", std::min(1.0, static_cast<double>(size) / static_cast<double>(3 * count)));
+    // Looking takes as long as a block: not before it is likely to help, and then after every third.
+    if (size == most || (size >= 3 * count && size / kBlock % 3 == 0)) {
+      ritz.compute(projected.topLeftCorner(size, size));
+      left = ritz.eigenvectors().bottomRows(width).rightCols(count);
+      const VectorXd length2 = left.cwiseProduct(dot(w, w) * left).colwise().sum().transpose().cwiseMax(0);
+      const VectorXd theta = ritz.eigenvalues().tail(count);
+      if (size == most || length2.cwiseSqrt().cwiseQuotient(theta).maxCoeff() < options.tolerance) break;
+    }
+    width = std::min(kBlock, most - size);
+    if (width < w.cols()) w = w.leftCols(width).eval();
+    before.conservativeResize(width);
+  }
+
+  Spectrum result;
+  const VectorXd theta = ritz.eigenvalues().tail(count);
+  result.values = (theta.cwiseInverse().array() - sigma).cwiseMax(0).reverse();
+  // A q, which is known without another solve, is purer than q (Nour-Omid, Parlett, Ericsson, Jensen 1987).
+  result.functions = times(q.leftCols(size), ritz.eigenvectors().rightCols(count));
+  subtract(result.functions, w, -left * theta.cwiseInverse().asDiagonal());
+  result.functions.colwise().normalize();
+  result.functions = result.functions.rowwise().reverse().eval();
+  for (Index v = 0; v < n; ++v) {
+    if (root_mass[v] > 0) {
+      result.functions.row(v) /= root_mass[v];
+    } else {
+      result.functions.row(v).setZero();
+    }
+  }
+  const double mean = result.values.mean();
+  MatrixXd residual = laplacian.stiffness * result.functions;
+  for (Index v = 0; v < n; ++v)
+    if (mass[v] > 0)
+      residual.row(v) =
+          (residual.row(v) - mass[v] * result.functions.row(v).cwiseProduct(result.values.transpose())) / root_mass[v];
+  result.residuals = residual.colwise().norm().transpose().array() / (result.values.array() + mean).max(sigma);
+  result.converged = static_cast<std::size_t>((result.residuals.array() <= options.tolerance).count());
+  return result;
+}
+
+}  // namespace armature::sdk

@@ -1,0 +1,296 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <armature/sdk/decimation/similar_decimation.h>
+#include <armature/sdk/distance/measure.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <fmt/format.h>
+
+#include "tools/commands/bench/bench.h"
+#include "tools/commands/choices.h"
+#include "tools/evaluation/planted.h"
+#include "tools/evaluation/shapes.h"
+#include "tools/json_lines.h"
+#include "tools/sdk_call.h"
+
+namespace armature::tools {
+namespace {
+
+constexpr std::size_t kFew = 200;  // spheres that a user works with
+
+struct DecimateBenchOptions {
+  std::string models;
+  std::vector<std::string> only;
+  int rounds = 3;
+  double threshold = sdk::SimilarityOptions{}.threshold;
+  bool json = false;
+};
+
+/// How many times fewer steps than collapses there are, from the finest level and from so many spheres down.
+struct Condensation {
+  double all = 0, below = 0;
+};
+Condensation condensation_of(const sdk::Hierarchy& hierarchy) {
+  const std::size_t few = std::min(kFew, hierarchy.leaf_count());
+  std::size_t steps = 0;
+  for (std::size_t k = 1; k <= hierarchy.step_count(); ++k) steps += hierarchy.spheres_after(k) < few ? 1U : 0U;
+  const auto times = [](std::size_t collapses, std::size_t in_steps) {
+    return in_steps == 0 ? 0.0 : static_cast<double>(collapses) / static_cast<double>(in_steps);
+  };
+  return {times(hierarchy.collapse_count(), hierarchy.step_count()), times(few - hierarchy.min_spheres(), steps)};
+}
+
+/// The share of levels at which equal copies, whose vertices follow one another, have the same number of spheres: of
+/// all down to the last at which no sphere belongs to two, and of those with at most so many spheres a copy.
+struct Evenness {
+  double all = 0, below = 0;
+};
+Evenness evenness_of(const sdk::Hierarchy& hierarchy, std::size_t copies) {
+  const std::size_t each = hierarchy.leaf_count() / copies;
+  std::vector<std::size_t> left(copies, each);
+  std::vector<std::size_t> copy_of(hierarchy.node_count());
+  for (std::size_t v = 0; v < hierarchy.leaf_count(); ++v) copy_of[v] = v / each;
+  std::array<std::size_t, 2> even{};
+  std::array<std::size_t, 2> levels{};
+  std::size_t node = hierarchy.leaf_count();
+  for (std::size_t k = 1; k <= hierarchy.step_count(); ++k) {
+    for (; node < hierarchy.leaf_count() + (hierarchy.leaf_count() - hierarchy.spheres_after(k)); ++node) {
+      const auto [a, b] = hierarchy.children(sdk::NodeId(node));
+      if (copy_of[a.index()] != copy_of[b.index()]) {
+        const auto share = [&](std::size_t i) {
+          return levels[i] == 0 ? 0.0 : static_cast<double>(even[i]) / static_cast<double>(levels[i]);
+        };
+        return {share(0), share(1)};
+      }
+      copy_of[node] = copy_of[a.index()];
+      --left[copy_of[node]];
+    }
+    const bool same = std::ranges::all_of(left, [&](std::size_t n) { return n == left.front(); });
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+      if (i == 1 && hierarchy.spheres_after(k) > kFew * copies) continue;
+      ++levels[i];
+      even[i] += same ? 1U : 0U;
+    }
+  }
+  return {};
+}
+
+/// The measures of chapter 6, a section each.
+class DecimateBench {
+ public:
+  explicit DecimateBench(DecimateBenchOptions options) : options_(std::move(options)) {
+    similarity_.threshold = options_.threshold;
+  }
+
+  Expected<void> run() {
+    for (const auto& [name, section] : kSections) {
+      if (!options_.only.empty() && std::ranges::find(options_.only, name) == options_.only.end()) continue;
+      if (call_.interrupted()) return fail("stopped on request");
+      section_ = name;
+      if (auto done = (this->*section)(); !done) return done;
+    }
+    return {};
+  }
+
+  [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
+
+ private:
+  using Section = Expected<void> (DecimateBench::*)();
+  static const std::array<std::pair<const char*, Section>, 4> kSections;
+
+  /// Fewer steps, at which error.
+  Expected<void> condensation() {
+    title("Steps: collapses over steps, of all and below 200 spheres (goal 3 or more); error over the plain one (1.1)");
+    for (const char* name :
+         {"igl_armadillo.obj", "vh_camel.off", "os_cat-low-resolution.obj", "vh_Hand1.off", "ca_ants27.off", ""}) {
+      const bool ours_too = name[0] == '\0';
+      const std::filesystem::path path = std::filesystem::path(options_.models) / name;
+      if (!ours_too && (options_.models.empty() || !std::filesystem::exists(path))) continue;
+      const auto mesh = ours_too ? Expected<sdk::Mesh>(creature(5)) : ours(sdk::read_mesh(path, {}, call_.task()));
+      if (!mesh) return tl::unexpected(mesh.error());
+      const auto plain = ours(sdk::build_hierarchy(*mesh, {}, call_.task()));
+      if (!plain) return tl::unexpected(plain.error());
+      const auto similar = ours(sdk::build_similar_hierarchy(*mesh, {}, similarity_, call_.task()));
+      if (!similar) return tl::unexpected(similar.error());
+      const auto fewer = condensation_of(similar->build.hierarchy);
+      Json json = {{"section", section_},
+                   {"name", ours_too ? "creature" : name},
+                   {"steps", similar->build.hierarchy.step_count()},
+                   {"condensed", number(fewer.all)},
+                   {"condensed_below_200", number(fewer.below)}};
+      std::string errors;
+      for (const std::size_t spheres : {1000U, 200U, 100U, 50U}) {
+        std::array<double, 2> mean{};
+        const std::array both = {&plain->hierarchy, &similar->build.hierarchy};
+        for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+          const auto level = ours(both[k]->level(spheres));
+          if (!level) return tl::unexpected(level.error());
+          const auto error = ours(sdk::measure(*mesh, *level, {.samples = 20'000}, call_.task()));
+          if (!error) return tl::unexpected(error.error());
+          mean[k] = error->mean_input_to_approximation;
+        }
+        json[fmt::format("error_ratio_{}", spheres)] = number(mean[1] / mean[0]);
+        errors += fmt::format("  {}: {:.2f}", spheres, mean[1] / mean[0]);
+      }
+      if (auto said =
+              say(json, fmt::format("{:<28} {:6} steps  {:5.1f}  {:5.1f}  M12 at{}", ours_too ? "creature" : name,
+                                    similar->build.hierarchy.step_count(), fewer.all, fewer.below, errors));
+          !said)
+        return said;
+    }
+    return {};
+  }
+
+  /// Copies that are simplified alike.
+  Expected<void> symmetry() {
+    title(
+        "Planted copies: the share of levels at which all have the same number of spheres (goal 0.9); beside it plain");
+    for (const std::size_t copies : {2U, 4U}) {
+      for (const auto& [name, path] : {std::pair{"creature", ""}, std::pair{"vh_camel.off", "vh_camel.off"},
+                                       std::pair{"ca_ants27.off", "ca_ants27.off"}}) {
+        sdk::Mesh model = creature(4);
+        if (path[0] != '\0') {
+          if (options_.models.empty() || !std::filesystem::exists(std::filesystem::path(options_.models) / path))
+            continue;
+          auto read = ours(sdk::read_mesh(std::filesystem::path(options_.models) / path, {}, call_.task()));
+          if (!read) return tl::unexpected(read.error());
+          model = std::move(*read);
+        }
+        const std::vector<sdk::FaceId> region = {sdk::FaceId(0)};
+        const sdk::Mesh mesh = planted_models(model, region, {.copies = copies - 1}).mesh;
+        const auto plain = ours(sdk::build_hierarchy(mesh, {}, call_.task()));
+        if (!plain) return tl::unexpected(plain.error());
+        const auto similar = ours(sdk::build_similar_hierarchy(mesh, {}, similarity_, call_.task()));
+        if (!similar) return tl::unexpected(similar.error());
+        const Evenness here = evenness_of(similar->build.hierarchy, copies);
+        const Evenness there = evenness_of(plain->hierarchy, copies);
+        const std::string what = fmt::format("{} copies of {}", copies, name);
+        if (auto said = say({{"section", section_},
+                             {"name", what},
+                             {"even", number(here.all)},
+                             {"even_below_200", number(here.below)},
+                             {"plain_even", number(there.all)},
+                             {"plain_even_below_200", number(there.below)}},
+                            fmt::format("{:<28} {:.3f}, below 200 each {:.3f}; plain {:.3f}, {:.3f}", what, here.all,
+                                        here.below, there.all, there.below));
+            !said)
+          return said;
+      }
+    }
+    return {};
+  }
+
+  /// What it costs, from 10 thousand to a million triangles.
+  Expected<void> growth() {
+    title("Growth: milliseconds, the fastest of some rounds in turns; goal: 3 times the plain decimation");
+    sdk::Mesh mesh = creature(4);
+    for (int round = 0; round < 4; ++round) {
+      if (round > 0) mesh = subdivided(mesh);
+      std::array<double, 3> least;
+      least.fill(std::numeric_limits<double>::infinity());
+      for (int k = 0; k < options_.rounds; ++k) {
+        const auto plain = ours(sdk::build_hierarchy(mesh, {}, call_.task()));
+        if (!plain) return tl::unexpected(plain.error());
+        const auto similar = ours(sdk::build_similar_hierarchy(mesh, {}, similarity_, call_.task()));
+        if (!similar) return tl::unexpected(similar.error());
+        const auto total = [](const sdk::BuildStatistics& took) { return took.init_ms + took.decimate_ms; };
+        least[0] = std::min(least[0], total(plain->statistics));
+        least[1] = std::min(least[1], total(similar->build.statistics));
+        least[2] = std::min(least[2], similar->descriptor_ms);
+      }
+      if (auto said =
+              say({{"section", section_},
+                   {"triangles", mesh.triangles.size()},
+                   {"plain_ms", number(least[0])},
+                   {"similar_ms", number(least[1])},
+                   {"descriptor_ms", number(least[2])}},
+                  fmt::format("{:8} triangles  plain {:8.1f}  similar {:8.1f} ({:.2f} times)  descriptors {:8.1f}",
+                              mesh.triangles.size(), least[0], least[1], least[1] / least[0], least[2]));
+          !said)
+        return said;
+    }
+    return {};
+  }
+
+  /// All that regions can be compared by.
+  Expected<void> descriptors() {
+    title("Descriptors, on the creature: condensation of all and below 200 spheres");
+    const sdk::Mesh mesh = creature(5);
+    for (const auto& [name, descriptor, threshold] :
+         {std::tuple{"gls-histogram", sdk::RegionDescriptor::GlsHistograms, options_.threshold},
+          std::tuple{"gls-scaled", sdk::RegionDescriptor::ScaledGlsHistograms, options_.threshold},
+          std::tuple{"gls-mean", sdk::RegionDescriptor::GlsMean, 0.01},
+          std::tuple{"gls-merged", sdk::RegionDescriptor::MergedGls, 0.01},
+          std::tuple{"quadric", sdk::RegionDescriptor::Quadric, 0.01}}) {
+      const auto similar = ours(
+          sdk::build_similar_hierarchy(mesh, {}, {.descriptor = descriptor, .threshold = threshold}, call_.task()));
+      if (!similar) return tl::unexpected(similar.error());
+      const auto fewer = condensation_of(similar->build.hierarchy);
+      if (auto said =
+              say({{"section", section_},
+                   {"name", name},
+                   {"threshold", threshold},
+                   {"condensed", number(fewer.all)},
+                   {"condensed_below_200", number(fewer.below)},
+                   {"descriptor_ms", number(similar->descriptor_ms)},
+                   {"decimate_ms", number(similar->build.statistics.decimate_ms)}},
+                  fmt::format("{:<14} below {:.2f}  {:5.1f}  {:5.1f}  {:.0f} + {:.0f} ms", name, threshold, fewer.all,
+                              fewer.below, similar->descriptor_ms, similar->build.statistics.decimate_ms));
+          !said)
+        return said;
+    }
+    return {};
+  }
+
+  void title(const std::string& text) const {
+    if (!options_.json) fmt::print("\n{}\n", text);
+  }
+  Expected<void> say(const Json& json, const std::string& line) const {
+    if (options_.json) return write_json_line(stdout, json);
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+    return {};
+  }
+
+  DecimateBenchOptions options_;
+  sdk::SimilarityOptions similarity_;
+  SdkCall call_;
+  std::string section_;
+};
+
+const std::array<std::pair<const char*, DecimateBench::Section>, 4> DecimateBench::kSections = {
+    {{"condensation", &DecimateBench::condensation},
+     {"symmetry", &DecimateBench::symmetry},
+     {"growth", &DecimateBench::growth},
+     {"descriptors", &DecimateBench::descriptors}}};
+
+}  // namespace
+
+void add_bench_decimate(CLI::App& bench, Run& run) {
+  auto options = std::make_shared<DecimateBenchOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "decimate", "How similarity condenses hierarchies, keeps copies alike, and what it costs (thesis, chapter 6).");
+  command->add_option("--models", options->models, "a folder with the thesis's models; else our own shapes alone")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--only", options->only,
+                   "sections: " + fmt::format("{}", fmt::join(DecimateBench::sections(), ", ")))
+      ->check(CLI::IsMember(DecimateBench::sections()))
+      ->delimiter(',');
+  command->add_option("--similar", options->threshold, "the threshold of histograms")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--rounds", options->rounds, "of the growth")->check(CLI::Range(1, 100))->capture_default_str();
+  command->add_flag("--json", options->json, "one JSON object a line");
+  command->footer("Example:\n  armature bench decimate --only growth");
+  command->callback([options, &run] { run = [options] { return DecimateBench(*options).run(); }; });
+}
+
+}  // namespace armature::tools

@@ -1,0 +1,287 @@
+#include "tools/commands/edit/edit.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <armature/sdk/descriptors/descriptors.h>
+#include <armature/sdk/editing/region_edits.h>
+#include <armature/sdk/editing/vertex_edits.h>
+#include <armature/sdk/expansion/component_index.h>
+#include <armature/sdk/expansion/expand_part.h>
+#include <armature/sdk/expansion/patch_expansion.h>
+#include <armature/sdk/io/mesh_format.h>
+#include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/selection/part_cut.h>
+#include <armature/sdk/selection/patch_brush.h>
+#include <fmt/format.h>
+
+#include "tools/commands/choices.h"
+#include "tools/commands/select/gesture.h"
+#include "tools/elapsed.h"
+#include "tools/json_lines.h"
+#include "tools/sdk_call.h"
+
+namespace armature::tools {
+namespace {
+
+constexpr sdk::Colour kPaint = {24, 84, 214};
+
+struct Arguments {
+  std::string mesh, out, gesture;
+  std::string map = "gls";
+  std::string op;
+  double amount = 0;
+  double share = 0.05, from = 0.1, to = 0.9;
+  std::size_t expand = 0;
+  bool json = false;
+};
+
+/// Selects what a gesture shows, and its likes where some are asked for.
+struct Select {
+  const sdk::Surface& surface;
+  std::size_t expand;
+  const sdk::Task& task;
+
+  using Found = sdk::Expected<sdk::Expansion>;
+  static Found alone(sdk::Expected<std::vector<sdk::FaceId>> faces) {
+    return std::move(faces).map([](auto&& found) { return sdk::Expansion(std::move(found), {}, {}); });
+  }
+  Found operator()(const ComponentGesture& gesture) const {
+    const auto index = sdk::ComponentIndex::build(surface.mesh, surface.adjacency, task);
+    if (!index) return tl::unexpected(index.error());
+    return index->expand(gesture.face);
+  }
+  Found operator()(const PartGesture& gesture) const {
+    const auto model = sdk::PartModel::build(surface, task);
+    if (!model) return tl::unexpected(model.error());
+    sdk::PartCut cut(*model);
+    for (std::size_t i = 0; i < gesture.strokes.size(); ++i) {
+      const auto points = sdk::project_stroke(surface, gesture.strokes[i], "stroke " + std::to_string(i));
+      if (!points) return tl::unexpected(points.error());
+      cut.begin_stroke();
+      for (const sdk::SurfacePoint& point : *points) cut.add_point(point);
+    }
+    auto part = cut.faces();
+    if (!part || expand == 0) return alone(std::move(part));
+    return sdk::expand_part(*model, *part, {}, task);
+  }
+  Found operator()(const PatchGesture& gesture) const { return patch(sdk::select_patch(surface, gesture.drawn)); }
+  Found operator()(const LassoGesture& gesture) const { return patch(sdk::select_lasso(surface, gesture.drawn)); }
+  Found patch(sdk::Expected<std::vector<sdk::FaceId>> faces) const {
+    if (!faces || expand == 0) return alone(std::move(faces));
+    return sdk::expand_patch(surface, *faces, {.most = std::max<std::size_t>(64, 2 * expand)}, task);
+  }
+};
+
+/// The descriptor of every vertex by name.
+template <sdk::GlsAggregation aggregation>
+sdk::Expected<std::unique_ptr<sdk::Descriptor>> gls(const sdk::Surface& surface, std::span<const sdk::FaceId>,
+                                                    const sdk::Task& task) {
+  const auto fits = sdk::GrowingLeastSquares::build(sdk::point_set_of(surface.mesh), {}, task);
+  if (!fits) return tl::unexpected(fits.error());
+  return sdk::gls_descriptor(*fits, aggregation, task);
+}
+template <auto signature>
+sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& surface, std::span<const sdk::FaceId>,
+                                                         const sdk::Task& task) {
+  const sdk::Laplacian laplacian = sdk::laplacian(surface.mesh, surface.adjacency);
+  const auto spectrum = sdk::spectrum(surface.mesh, laplacian, {}, task);
+  if (!spectrum) return tl::unexpected(spectrum.error());
+  return signature(*spectrum, laplacian);
+}
+sdk::Expected<std::unique_ptr<sdk::Descriptor>> psc(const sdk::Surface& surface, std::span<const sdk::FaceId> reference,
+                                                    const sdk::Task& task) {
+  const auto ball = sdk::patch_ball(surface, reference);
+  if (!ball) return tl::unexpected(ball.error());
+  const auto contexts = sdk::PatchContexts::build(surface, ball->radius, task);
+  if (!contexts) return tl::unexpected(contexts.error());
+  return sdk::patch_shape_context(surface, *contexts);
+}
+sdk::Expected<std::unique_ptr<sdk::Descriptor>> quadric(const sdk::Surface& surface, std::span<const sdk::FaceId>,
+                                                        const sdk::Task&) {
+  return sdk::quadric_descriptor(surface.mesh);
+}
+using MakeDescriptor = sdk::Expected<std::unique_ptr<sdk::Descriptor>> (*)(const sdk::Surface&,
+                                                                           std::span<const sdk::FaceId>,
+                                                                           const sdk::Task&);
+constexpr std::array<std::pair<const char*, MakeDescriptor>, 7> kMaps = {
+    {{"gls", gls<sdk::GlsAggregation::Mean>},
+     {"gls-histogram", gls<sdk::GlsAggregation::Histograms>},
+     {"quadric", quadric},
+     {"hks", spectral<sdk::heat_kernel_signature>},
+     {"si-hks", spectral<sdk::scale_invariant_heat_kernel_signature>},
+     {"wks", spectral<sdk::wave_kernel_signature>},
+     {"psc", psc}}};
+
+/// What all edits work on.
+struct Job {
+  const Arguments& arguments;
+  const sdk::Surface& surface;
+  const sdk::Expansion& found;
+  const sdk::Task& task;
+
+  [[nodiscard]] double length() const { return arguments.amount * surface.diagonal; }
+  [[nodiscard]] std::span<const sdk::Match> matches() const { return found.first(arguments.expand); }
+
+  /// By the similarity of every vertex to the selection.
+  [[nodiscard]] sdk::Expected<std::vector<double>> weights() const {
+    const auto descriptor = choice_of(kMaps, arguments.map)(surface, found.reference(), task);
+    if (!descriptor) return tl::unexpected(descriptor.error());
+    std::vector<sdk::VertexId> vertices;
+    for (const sdk::FaceId face : found.reference())
+      for (const sdk::VertexId v : surface.mesh.triangle(face)) vertices.push_back(v);
+    std::ranges::sort(vertices);
+    vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    const auto unlike = sdk::dissimilarities(**descriptor, vertices, task);
+    if (!unlike) return tl::unexpected(unlike.error());
+    return sdk::edit_weights(sdk::similarity_map(*unlike, arguments.share), {arguments.from, arguments.to});
+  }
+  [[nodiscard]] sdk::Expected<sdk::Mesh> everywhere(const sdk::RegionEdit& edit) const {
+    return sdk::transported(surface, found.reference(), matches(), edit, {}, task);
+  }
+};
+
+using Op = sdk::Expected<sdk::Mesh> (*)(const Job&);
+
+sdk::Expected<sdk::Mesh> displace(const Job& job) {
+  if (job.arguments.expand > 0) return job.everywhere(sdk::DisplaceEdit{job.length()});
+  return job.weights().and_then([&](const auto& w) { return sdk::displaced(job.surface.mesh, w, job.length()); });
+}
+sdk::Expected<sdk::Mesh> smooth(const Job& job) {
+  if (job.arguments.expand > 0) return job.everywhere(sdk::SmoothEdit{job.length()});
+  return job.weights().and_then([&](const auto& w) {
+    return sdk::smoothed(job.surface.mesh, sdk::laplacian(job.surface.mesh, job.surface.adjacency), w, job.length(),
+                         job.task);
+  });
+}
+sdk::Expected<sdk::Mesh> sharpen(const Job& job) {
+  if (job.arguments.expand > 0) return sdk::fail("--op sharpen: works by a map; leave --expand out");
+  constexpr double kLength = 0.01;
+  return job.weights().and_then([&](const auto& w) {
+    return sdk::sharpened(job.surface.mesh, sdk::laplacian(job.surface.mesh, job.surface.adjacency), w,
+                          kLength * job.surface.diagonal, job.arguments.amount, job.task);
+  });
+}
+sdk::Expected<sdk::Mesh> paint(const Job& job) {
+  if (job.arguments.expand > 0) return job.everywhere(sdk::PaintEdit{kPaint});
+  return job.weights().and_then([&](auto w) {
+    for (double& weight : w) weight *= std::clamp(job.arguments.amount, 0.0, 1.0);
+    return sdk::painted(job.surface.mesh, w, kPaint);
+  });
+}
+sdk::Expected<sdk::Mesh> pull(const Job& job) {
+  const auto ball = sdk::patch_ball(job.surface, job.found.reference());
+  if (!ball) return tl::unexpected(ball.error());
+  const Eigen::Vector3d& normal = job.surface.vertex_normals[ball->centre.index()];
+  return job.everywhere(sdk::HandleEdit{job.surface.mesh.position(ball->centre), job.length() * normal});
+}
+sdk::Expected<sdk::Mesh> copy(const Job& job) {
+  return job.everywhere(sdk::CopyEdit{});
+}
+sdk::Expected<sdk::Mesh> alike(const Job& job) {
+  return sdk::made_alike(job.surface, job.found.reference(), job.matches(), job.arguments.amount, {}, job.task);
+}
+
+constexpr std::array<std::pair<const char*, Op>, 7> kOps = {{{"alike", alike},
+                                                             {"copy", copy},
+                                                             {"displace", displace},
+                                                             {"paint", paint},
+                                                             {"pull", pull},
+                                                             {"sharpen", sharpen},
+                                                             {"smooth", smooth}}};
+
+Expected<void> run_edit(const Arguments& arguments) {
+  if (!(arguments.to > arguments.from)) return fail("--to: expected more than --from");
+  SdkCall call;
+  const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
+  if (!mesh) return tl::unexpected(mesh.error());
+  const auto gesture = read_gesture(arguments.gesture, mesh->triangles.size());
+  if (!gesture) return tl::unexpected(gesture.error());
+  const auto start = std::chrono::steady_clock::now();
+  const sdk::Surface surface(*mesh);
+  const sdk::Task task = call.task();
+  const auto found = std::visit(Select{surface, arguments.expand, task}, *gesture);
+  if (!found) return fail(arguments.gesture + ": " + found.error().message);
+  const double select_ms = milliseconds_since(start);
+  const auto began = std::chrono::steady_clock::now();
+  const Job job{arguments, surface, *found, task};
+  const auto edited = ours(choice_of(kOps, arguments.op)(job));
+  if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
+  const double edit_ms = milliseconds_since(began);
+  if (auto written = ours(sdk::write_mesh(*edited, arguments.out)); !written) return written;
+  std::size_t moved = 0;
+  double farthest = 0;
+  for (std::size_t v = 0; v < mesh->positions.size(); ++v) {
+    const double way = (edited->positions[v] - mesh->positions[v]).norm();
+    moved += way > 0 ? 1U : 0U;
+    farthest = std::max(farthest, way);
+  }
+  const std::size_t matches = job.matches().size();
+  if (arguments.json)
+    return write_json_line(stdout, {{"matches", matches},
+                                    {"moved", moved},
+                                    {"farthest", number(farthest)},
+                                    {"select_ms", number(select_ms)},
+                                    {"edit_ms", number(edit_ms)}});
+  fmt::print("{}: moved {} of {} vertices, by {:.4g} at most; {} matches\n", arguments.out, moved,
+             mesh->positions.size(), farthest, matches);
+  return {};
+}
+
+}  // namespace
+
+void add_edit(CLI::App& app, Run& run) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("edit", "Edit a mesh at a selection and at all that is like it");
+  command->add_option("MESH", arguments->mesh, "a triangle mesh")->required();
+  command->add_option("OUT", arguments->out, "the edited one: OFF, OBJ, PLY or STL; colours only in PLY")->required();
+  command->add_option("--gesture", arguments->gesture, "what is selected, as for `armature select`")
+      ->required()
+      ->type_name("G.json");
+  command->add_option("--map", arguments->map, "what vertices are compared with the selection by")
+      ->check(CLI::IsMember(names_of(kMaps)))
+      ->capture_default_str();
+  command->add_option("--op", arguments->op, "what is done")->required()->check(CLI::IsMember(names_of(kOps)));
+  command
+      ->add_option("--amount", arguments->amount,
+                   "how much: a part of the bounding box's diagonal for displace, pull (along the normal) and smooth; "
+                   "a factor for sharpen and alike; a strength up to 1 for paint")
+      ->required()
+      ->type_name("A");
+  command
+      ->add_option("--expand", arguments->expand,
+                   "edit the selection and so many regions like it, each in its place, instead of by the map")
+      ->check(CLI::Range(0, 1'000'000))
+      ->type_name("K");
+  command->add_option("--share", arguments->share, "of the vertices within one sigma of the selection, by the map")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str();
+  command->add_option("--from", arguments->from, "similarity up to which nothing is done")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--to", arguments->to, "similarity from which all is done")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "one JSON object: matches, moved, farthest, times in milliseconds");
+  command->footer(
+      "By a map: displace, smooth, sharpen, paint. By regions (--expand): displace, smooth, paint, pull (a handle in\n"
+      "the middle), copy (the others take the selection's shape), alike (towards their mean; away for a negative\n"
+      "amount). Regions are edited up to their boundary, where the edit has faded.\n\n"
+      "Examples:\n"
+      "  echo '{\"tool\":\"component\",\"face\":0}' > click.json\n"
+      "  armature edit engine.obj larger.obj --gesture click.json --op displace --amount 0.01 --expand 8\n"
+      "  armature edit cow.obj bumpy.obj --gesture patch.json --map wks --op displace --amount 0.02");
+  command->callback([arguments, &run] { run = [arguments] { return run_edit(*arguments); }; });
+}
+
+}  // namespace armature::tools
