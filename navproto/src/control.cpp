@@ -1,8 +1,12 @@
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <optional>
 
 #include <armature/navproto/codec.h>
 #include <armature/navproto/control.h>
 #include <armature/navproto/endpoints.h>
+#include <unistd.h>
 
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
@@ -10,7 +14,30 @@
 
 namespace armature::navproto {
 
+namespace {
+
+/// So many requests in a row and no more: whoever floods us does not keep the caller.
+constexpr int kMostAtATime = 16;
+
+/// Who sent a part over ipc, by the kernel's word: libzmq gives "HOST:UID:GID:PID" as the peer's address.
+std::optional<std::uint32_t> sender_uid(Part& part) {
+  const char* address = zmq_msg_gets(part.get(), "Peer-Address");
+  if (address == nullptr) return std::nullopt;
+  std::string_view text(address);
+  for (int field = 0; field < 2; ++field) text = text.substr(0, text.rfind(':'));
+  text.remove_prefix(text.rfind(':') + 1);
+  std::uint32_t uid = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), uid);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return uid;
+}
+
+}  // namespace
+
 struct ControlServer::Impl {
+  ControlServerOptions options;
+  bool local = true;  // ipc: the other end has a uid
+  std::uint64_t refused = 0;
   EndpointLock lock;
   ContextHandle context = make_context();
   Socket socket{context.get(), ZMQ_ROUTER};
@@ -18,11 +45,22 @@ struct ControlServer::Impl {
   Part peer;
   Part payload;
 
-  [[nodiscard]] ControlReply answer(const Handler& handler) const {
+  [[nodiscard]] bool may_change() {
+    if (!local) return true;  // tcp was allowed expressly
+    const auto uid = sender_uid(payload);
+    return uid && (*uid == 0 || *uid == ::geteuid() || std::ranges::count(options.allowed_uids, *uid) > 0);
+  }
+
+  [[nodiscard]] ControlReply answer(const Handler& handler) {
     const auto request = decode<ControlRequest>(payload.bytes());
     ControlReply reply;
     if (!request) {
+      ++refused;
       reply.error = request.error().message;
+    } else if (request->kind != RequestKind::Status && !may_change()) {
+      ++refused;
+      reply.id = request->id;
+      reply.error = "refused: only root, the daemon's own user and those in control.uids may change anything";
     } else {
       reply = handler(*request);
       reply.id = request->id;
@@ -57,6 +95,8 @@ Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlSe
     return fail("control " + endpoints->control + ": only ipc:// unless tcp is allowed expressly");
   }
   auto impl = std::make_unique<Impl>();
+  impl->local = endpoints->control.starts_with("ipc:");
+  impl->options = std::move(options);
   impl->socket.set(ZMQ_LINGER, 250).set_max_bytes(kMaxMessageBytes);
   auto lock = bind_exclusively(impl->socket, endpoints->control);
   if (!lock) return tl::unexpected(lock.error());
@@ -74,7 +114,7 @@ int ControlServer::serve(const Handler& handler, std::chrono::milliseconds timeo
   if (!poll(items, timeout)) return 0;
   int answered = 0;
   bool is_request = false;
-  while (impl_->receive_request(is_request)) {
+  for (int taken = 0; taken < kMostAtATime && impl_->receive_request(is_request); ++taken) {
     if (!is_request) continue;
     const ControlReply reply = impl_->answer(handler);
     impl_->socket.send(impl_->peer.bytes(), ZMQ_SNDMORE);
@@ -82,6 +122,10 @@ int ControlServer::serve(const Handler& handler, std::chrono::milliseconds timeo
     ++answered;
   }
   return answered;
+}
+
+std::uint64_t ControlServer::refused() const noexcept {
+  return impl_->refused;
 }
 
 struct ControlClient::Impl {

@@ -6,6 +6,7 @@
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/feed.h>
 
+#include "navproto/src/gatekeeper.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
 
@@ -21,6 +22,7 @@ struct FeedPublisher::Impl {
   PublisherOptions options;
   EndpointLock lock;
   ContextHandle context = make_context();
+  std::unique_ptr<Gatekeeper> gatekeeper;
   Socket socket{context.get(), ZMQ_XPUB};
   Encoder encoder;
   Part request;
@@ -54,6 +56,10 @@ Expected<FeedPublisher> FeedPublisher::bind(std::string_view endpoint, Publisher
   impl->options = std::move(options);
   if (impl->options.session_id == 0) impl->options.session_id = random_session_id();
   impl->socket.set(ZMQ_SNDHWM, kFeedQueue).set(ZMQ_LINGER, 0);
+  if (impl->options.curve && endpoints->feed.starts_with("tcp:")) {
+    impl->gatekeeper = std::make_unique<Gatekeeper>(impl->context.get(), *impl->options.curve);
+    impl->gatekeeper->guard(impl->socket);
+  }
   auto lock = bind_exclusively(impl->socket, endpoints->feed);
   if (!lock) return tl::unexpected(lock.error());
   impl->lock = *std::move(lock);
@@ -64,6 +70,10 @@ FeedPublisher::FeedPublisher(std::unique_ptr<Impl> impl) noexcept : impl_(std::m
 FeedPublisher::~FeedPublisher() = default;
 FeedPublisher::FeedPublisher(FeedPublisher&&) noexcept = default;
 FeedPublisher& FeedPublisher::operator=(FeedPublisher&&) noexcept = default;
+
+std::uint64_t FeedPublisher::strangers() const noexcept {
+  return impl_->gatekeeper ? impl_->gatekeeper->refused() : 0;
+}
 
 bool FeedPublisher::wanted() noexcept {
   impl_->collect();
@@ -89,12 +99,13 @@ struct FeedSubscriber::Impl {
   Part part;
 };
 
-Expected<FeedSubscriber> FeedSubscriber::connect(std::string_view endpoint) {
+Expected<FeedSubscriber> FeedSubscriber::connect(std::string_view endpoint, const std::optional<CurveClient>& curve) {
   const auto endpoints = endpoints_of(endpoint);
   if (!endpoints) return tl::unexpected(endpoints.error());
   auto impl = std::make_unique<Impl>();
   impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400).set(ZMQ_CONFLATE, 1);
   impl->socket.set_max_bytes(kMaxFeedBytes);
+  if (curve) identify(impl->socket, *curve);
   if (auto connected = navproto::connect(impl->socket, endpoints->feed); !connected) {
     return tl::unexpected(connected.error());
   }

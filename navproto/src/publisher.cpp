@@ -7,6 +7,7 @@
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/publisher.h>
 
+#include "navproto/src/gatekeeper.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
 #include "navproto/src/wire.h"
@@ -30,6 +31,7 @@ class Outlet {
     socket_.set(ZMQ_SNDHWM, queue).set(ZMQ_LINGER, kLingerMs).set(ZMQ_XPUB_VERBOSE, 1);
   }
 
+  void guard(const Gatekeeper& gatekeeper) { gatekeeper.guard(socket_); }
   [[nodiscard]] Expected<EndpointLock> bind(const std::string& endpoint) { return bind_exclusively(socket_, endpoint); }
 
   /// Sends `part` and keeps it in `kept`, whose buffer it reuses.
@@ -71,6 +73,7 @@ struct Publisher::Impl {
   PublisherOptions options;
   std::array<EndpointLock, 3> locks;  // first, so that they outlive the context
   ContextHandle context = make_context();
+  std::unique_ptr<Gatekeeper> gatekeeper;
   Outlet navigation{context.get(), kMotionQueue};
   Outlet skeleton{context.get(), kMotionQueue};
   Outlet events{context.get(), kEventQueue};
@@ -129,6 +132,10 @@ Expected<Publisher> Publisher::bind(std::string_view endpoint, PublisherOptions 
   const std::array<std::pair<Outlet*, const std::string*>, 3> bindings = {{{&impl->navigation, &endpoints->navigation},
                                                                            {&impl->skeleton, &endpoints->skeleton},
                                                                            {&impl->events, &endpoints->events}}};
+  if (impl->options.curve && endpoints->navigation.starts_with("tcp:")) {
+    impl->gatekeeper = std::make_unique<Gatekeeper>(impl->context.get(), *impl->options.curve);
+    for (const auto& [outlet, where] : bindings) outlet->guard(*impl->gatekeeper);
+  }
   for (std::size_t i = 0; i < bindings.size(); ++i) {
     auto lock = bindings[i].first->bind(*bindings[i].second);
     if (!lock) return tl::unexpected(lock.error());
@@ -171,7 +178,9 @@ std::uint64_t Publisher::session_id() const noexcept {
 }
 
 PublisherCounters Publisher::counters() const noexcept {
-  return impl_->counters;
+  PublisherCounters counters = impl_->counters;
+  if (impl_->gatekeeper) counters.strangers = impl_->gatekeeper->refused();
+  return counters;
 }
 
 }  // namespace armature::navproto

@@ -2,6 +2,8 @@
 
 #include <cerrno>
 
+#include <sys/stat.h>
+
 namespace armature::navproto {
 namespace {
 
@@ -22,6 +24,9 @@ Expected<EndpointLock> bind_exclusively(Socket& socket, const std::string& endpo
   if (!lock) return lock;
   keep_alive(socket, endpoint);
   if (zmq_bind(socket.get(), endpoint.c_str()) != 0) return refuse(endpoint, zmq_errno());
+  // Its owner and its group may connect, nobody else. (Of an abstract name there is no file.)
+  constexpr std::string_view kIpc = "ipc://";
+  if (endpoint.starts_with(kIpc)) ::chmod(endpoint.c_str() + kIpc.size(), 0660);
   return lock;
 }
 

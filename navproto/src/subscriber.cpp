@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "navproto/src/freshness.h"
+#include "navproto/src/gatekeeper.h"
 #include "navproto/src/socket.h"
 
 namespace armature::navproto {
@@ -72,9 +73,10 @@ struct NavSubscriber::Impl {
   Expected<void> connect_all(std::string_view endpoint) {
     const auto endpoints = endpoints_of(endpoint);
     if (!endpoints) return tl::unexpected(endpoints.error());
-    const auto open = [](Socket& socket, const std::string& where, bool conflate) {
+    const auto open = [this](Socket& socket, const std::string& where, bool conflate) {
       socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
       socket.set_max_bytes(kMaxMessageBytes);
+      if (options.curve) identify(socket, *options.curve);
       if (conflate)
         socket.set(ZMQ_CONFLATE, 1);
       else

@@ -3,10 +3,14 @@
 #include <armature/navproto/codec.h>
 #include <armature/navproto/control.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zmq.h>
 
 #include "tests/navproto/sample_messages.h"
 #include "tests/navproto/transport_fixture.h"
+#include "tests/support/temporary_directory.h"
 
 namespace armature::navproto {
 namespace {
@@ -140,6 +144,39 @@ TEST(Control, WhatIsNoRequestIsAnsweredWithoutTheHandlerOrForgotten) {
   zmq_setsockopt(dealer, ZMQ_LINGER, &no_linger, sizeof no_linger);
   zmq_close(dealer);
   zmq_ctx_term(context);
+}
+
+TEST(Control, AnotherUserMayAskAndNotChange) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to become somebody else";
+  const test::TemporaryDirectory directory;
+  const std::string endpoint = "ipc://" + (directory.path() / "nav").string();
+  ::chmod(directory.path().c_str(), 0777);
+  auto server = ControlServer::bind(endpoint);
+  ASSERT_TRUE(server);
+  ::chmod((directory.path() / "nav.control").c_str(), 0777);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::setuid(65534) != 0) ::_exit(3);
+    auto client = ControlClient::connect(endpoint);
+    const auto status = client->request({.kind = RequestKind::Status}, kPatience);
+    const auto save = client->request({.kind = RequestKind::Save}, kPatience);
+    ::_exit(status && status->error.empty() && save && save->error.starts_with("refused:") ? 0 : 1);
+  }
+  std::vector<RequestKind> seen;
+  int ended = -1;
+  EXPECT_TRUE(repeat_until(
+      [&] {
+        server->serve(
+            [&](const ControlRequest& request) {
+              seen.push_back(request.kind);
+              return ControlReply{};
+            },
+            milliseconds(5));
+      },
+      [&] { return ::waitpid(child, &ended, WNOHANG) == child; }));
+  EXPECT_EQ(ended, 0);
+  EXPECT_EQ(seen, std::vector{RequestKind::Status});
+  EXPECT_EQ(server->refused(), 1U);
 }
 
 TEST(Control, StaysOnThisMachineUnlessToldOtherwise) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include <armature/navproto/control_messages.h>
 #include <armature/navproto/error.h>
@@ -12,6 +14,9 @@ namespace armature::navproto {
 
 /// Whom a ControlServer answers.
 struct ControlServerOptions {
+  /// Who may change something, besides root and the server's own user; anybody else who may open the socket file may
+  /// ask for the status. Users are told by what the kernel says of the other end.
+  std::vector<std::uint32_t> allowed_uids{};
   /// Control has no passwords: it is for programs of this machine, whom the socket file's permissions let in.
   bool allow_tcp = false;
 };
@@ -28,9 +33,13 @@ class ControlServer {
   ControlServer(ControlServer&&) noexcept;
   ControlServer& operator=(ControlServer&&) noexcept;
 
-  /// Waits for a request for at most `timeout`, then answers all that are there; how many. A request that cannot be
-  /// decoded is answered with why, without the handler.
+  /// Waits for a request for at most `timeout`, then answers those that are there, but no more than 16 at a time; how
+  /// many. A request that cannot be decoded, or whose sender may not make it, is answered with why, without the
+  /// handler.
   int serve(const Handler& handler, std::chrono::milliseconds timeout);
+
+  /// Requests that were not carried out because of who sent them or because they could not be decoded.
+  [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:
   struct Impl;

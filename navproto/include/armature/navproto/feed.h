@@ -21,6 +21,9 @@ class FeedPublisher {
   FeedPublisher(FeedPublisher&&) noexcept;
   FeedPublisher& operator=(FeedPublisher&&) noexcept;
 
+  /// Peers sent away so far because their key is not on the list. Any thread.
+  [[nodiscard]] std::uint64_t strangers() const noexcept;
+
   /// Whether anybody subscribes right now.
   [[nodiscard]] bool wanted() noexcept;
 
@@ -39,7 +42,8 @@ class FeedSubscriber {
  public:
   /// Connects to `feed` of endpoints_of(endpoint), whether or not somebody publishes there yet; fails where the
   /// endpoint is malformed.
-  [[nodiscard]] static Expected<FeedSubscriber> connect(std::string_view endpoint);
+  [[nodiscard]] static Expected<FeedSubscriber> connect(std::string_view endpoint,
+                                                        const std::optional<CurveClient>& curve = {});
   ~FeedSubscriber();
   FeedSubscriber(FeedSubscriber&&) noexcept;
   FeedSubscriber& operator=(FeedSubscriber&&) noexcept;

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include <armature/navproto/error.h>
+#include <armature/navproto/keys.h>
 #include <armature/navproto/messages.h>
 
 namespace armature::navproto {
@@ -17,17 +19,19 @@ using Now = std::function<std::chrono::nanoseconds()>;
 /// CLOCK_MONOTONIC.
 [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept;
 
-/// What a test decides for a publisher.
+/// How a publisher is set up.
 struct PublisherOptions {
-  Now now = monotonic_now;       ///< what stamps messages
-  std::uint64_t session_id = 0;  ///< 0 = drawn at random
+  Now now = monotonic_now;             ///< what stamps messages
+  std::uint64_t session_id = 0;        ///< 0 = drawn at random
+  std::optional<CurveServer> curve{};  ///< whom a tcp endpoint lets in; without it, everybody. Of no use to ipc.
 };
 
 /// What became of messages since the publisher was bound.
 struct PublisherCounters {
-  std::uint64_t sent = 0;      ///< handed to the sockets
-  std::uint64_t refused = 0;   ///< messages that check() objected to: a mistake of the caller, nothing went out
-  std::uint64_t replayed = 0;  ///< last states sent again to somebody who had just subscribed
+  std::uint64_t sent = 0;       ///< handed to the sockets
+  std::uint64_t refused = 0;    ///< messages that check() objected to: a mistake of the caller, nothing went out
+  std::uint64_t replayed = 0;   ///< last states sent again to somebody who had just subscribed
+  std::uint64_t strangers = 0;  ///< peers sent away because their key is not on the list
 };
 
 /// Publishes navigation, skeletons, events and health. Never waits for a subscriber: one that does not keep up misses

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <armature/navproto/error.h>
+#include <armature/navproto/keys.h>
 #include <armature/navproto/messages.h>
 #include <armature/navproto/publisher.h>
 
@@ -19,6 +20,7 @@ struct SubscriberOptions {
   bool skeleton = true;                    ///< subscribe to skeletons
   bool events = true;                      ///< subscribe to events and health
   Now now = monotonic_now;                 ///< what ages are measured by
+  std::optional<CurveClient> curve{};      ///< who we are, to a publisher over tcp that asks
 };
 
 /// What has come since somebody last asked.

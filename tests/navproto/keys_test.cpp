@@ -1,0 +1,106 @@
+#include <fstream>
+
+#include <armature/navproto/feed.h>
+#include <armature/navproto/keys.h>
+#include <armature/navproto/publisher.h>
+#include <armature/navproto/subscriber.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/navproto/sample_messages.h"
+#include "tests/support/temporary_directory.h"
+
+namespace armature::navproto {
+namespace {
+
+using namespace std::chrono_literals;
+
+KeyPair new_keys() {
+  auto keys = make_key_pair();
+  EXPECT_TRUE(keys);
+  return keys.value_or(KeyPair{});
+}
+
+TEST(Keys, AreReadAsTheyWereWrittenAndOnlyTheirOwnerMayRead) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "kiosk.key";
+  const KeyPair keys = new_keys();
+  ASSERT_TRUE(write_key_pair(file, keys));
+  struct stat status {};
+  ASSERT_EQ(::stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  const auto read = read_key_pair(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->public_key, keys.public_key);
+  EXPECT_EQ(read->secret_key, keys.secret_key);
+  EXPECT_FALSE(write_key_pair(file, keys)) << "an identity is never replaced";
+}
+
+TEST(Keys, ThatDoNotBelongTogetherAreRefused) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "kiosk.key";
+  ASSERT_TRUE(write_key_pair(file, {new_keys().public_key, new_keys().secret_key}));
+  EXPECT_FALSE(read_key_pair(file));
+}
+
+TEST(AllowList, HoldsKeysNamesAndComments) {
+  const std::string a = new_keys().public_key, b = new_keys().public_key;
+  const auto list = parse_allow_list("# who may listen\n\n" + a + " the wall\n  " + b + "\tdesk  \n", "allow");
+  ASSERT_TRUE(list) << list.error().message;
+  EXPECT_EQ(*list, (std::vector<AllowedKey>{{a, "the wall"}, {b, "desk"}}));
+}
+
+TEST(AllowList, NamesTheLineThatIsWrong) {
+  const auto list = parse_allow_list("# comment\nnonsense wall\n", "allow");
+  ASSERT_FALSE(list);
+  EXPECT_EQ(list.error().message.find("allow:2:"), 0U) << list.error().message;
+  const std::string key = new_keys().public_key;
+  EXPECT_FALSE(parse_allow_list(key + " a\n" + key + " b\n", "allow"));
+}
+
+TEST(AllowList, GrowsByALine) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "allow";
+  const AllowedKey wall{new_keys().public_key, "wall"};
+  ASSERT_TRUE(allow_key(file, wall));
+  EXPECT_FALSE(allow_key(file, wall));
+  ASSERT_TRUE(allow_key(file, {new_keys().public_key, "desk"}));
+  EXPECT_EQ(read_allow_list(file)->size(), 2U);
+}
+
+TEST(Curve, LetsInWhoIsListedAndSendsStrangersAway) {
+  const std::string endpoint = "tcp://127.0.0.1:24683";
+  const KeyPair server = new_keys(), friend_keys = new_keys(), stranger_keys = new_keys();
+  PublisherOptions options;
+  options.curve = CurveServer{server, {{friend_keys.public_key, "friend"}}};
+  auto publisher = Publisher::bind(endpoint, options);
+  ASSERT_TRUE(publisher) << publisher.error().message;
+
+  SubscriberOptions as_friend, as_stranger;
+  as_friend.curve = CurveClient{server.public_key, friend_keys};
+  as_stranger.curve = CurveClient{server.public_key, stranger_keys};
+  NavSubscriber known(endpoint, as_friend), unknown(endpoint, as_stranger), naked(endpoint);
+  NavigationMessage message = sample::navigation();
+  const auto give_up = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < give_up && (!known.navigation() || publisher->counters().strangers == 0)) {
+    publisher->publish_navigation(message);
+    (void)known.wait(10ms);
+  }
+  EXPECT_TRUE(known.navigation());
+  EXPECT_GE(publisher->counters().strangers, 1U);
+  EXPECT_FALSE(unknown.navigation());
+  EXPECT_FALSE(naked.navigation());
+}
+
+TEST(Ipc, SocketsAreForTheirOwnerAndGroup) {
+  const test::TemporaryDirectory directory;
+  const auto path = directory.path() / "nav";
+  const auto publisher = Publisher::bind("ipc://" + path.string());
+  ASSERT_TRUE(publisher);
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+}
+
+}  // namespace
+}  // namespace armature::navproto
