@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -31,6 +32,19 @@ struct SourceInfo {
   long frame_count = -1;          ///< -1 where unknown
 };
 
+/// How a live source fares.
+struct SourceHealth {
+  std::string trouble;           ///< one line: why no frames come; empty where they do
+  std::uint64_t restarts = 0;    ///< of the process that reads the device
+  std::uint64_t bad_frames = 0;  ///< that were torn on their way
+};
+
+/// What may bring a silent device back, from gentle to hard.
+enum class RecoverBy : std::uint8_t { RestartingStream, ResettingDevice };
+
+/// What a sensor with a light of its own shows.
+enum class StatusLight : std::uint8_t { Off, Ready, Calibrating, Engaged, Trouble };
+
 /// Anything that depth frames come from: a sensor, a recording, a synthetic person.
 /// Thread-safe: no (one reader). Realtime-safe: no.
 class DepthSource {
@@ -41,16 +55,34 @@ class DepthSource {
   /// Fills `frame` with the next frame, waiting for at most `timeout`. Failure means the source broke and will not
   /// recover by itself (a corrupt file, an unplugged device).
   [[nodiscard]] virtual Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) = 0;
+
+  /// Thread-safe: yes.
+  [[nodiscard]] virtual SourceHealth health() const { return {}; }
+
+  /// Shows the state of whoever reads it, where the sensor can. Thread-safe: yes, but not while read() runs elsewhere,
+  /// unless the source says so.
+  virtual void show(StatusLight) {}
+
+  /// Tries to bring a silent device back; a failure means that it has to be opened anew.
+  [[nodiscard]] virtual Expected<void> recover(RecoverBy) { return fail("nothing to recover"); }
 };
 
 struct OpenOptions {
   Pacing pacing = Pacing::Lossless;
   std::shared_ptr<Clock> clock = std::make_shared<SteadyClock>();  ///< host timestamps and pacing
+  /// How long to wait for a device's first frame; zero: it is opened in any case, and looked for while it is read.
+  std::chrono::milliseconds wait_for_device{5000};
 };
 
-/// Opens a source of this folder by its URI: `oni:FILE`, `fakenect:DIR`. An unknown scheme is an error that lists the
-/// known ones. (tracker/synth adds `synth:NAME`.)
+/// Opens a source of this folder by its URI: `oni:FILE`, `fakenect:DIR`, and the devices `openni2:`, `openni2:URI`,
+/// `freenect:N`, `v4l2:/dev/videoN`, which a process of its own reads (capture/); `process:URI` does the same with any
+/// of them. An unknown scheme is an error that lists the known ones. (tracker/synth adds `synth:NAME`.)
 [[nodiscard]] Expected<std::unique_ptr<DepthSource>> open_depth_source(std::string_view uri,
                                                                        const OpenOptions& options = {});
+/// The same without a process of its own: a device library that crashes takes the caller with it.
+[[nodiscard]] Expected<std::unique_ptr<DepthSource>> open_in_this_process(std::string_view uri,
+                                                                          const OpenOptions& options = {});
+/// Whether the URI names a device rather than a recording.
+[[nodiscard]] bool names_device(std::string_view uri) noexcept;
 
 }  // namespace armature

@@ -165,6 +165,46 @@ class OniSource final : public DepthSource {
   std::vector<std::uint16_t> scratch_;
 };
 
+/// A recording whose recorder was killed. OpenNI2's player wants its end; we decode what is there ourselves.
+class UnfinishedOniSource final : public DepthSource {
+ public:
+  UnfinishedOniSource(FileReader file, OniLayout layout, SourceInfo info, const OpenOptions& options)
+      : file_(std::move(file)),
+        layout_(std::move(layout)),
+        info_(std::move(info)),
+        pacer_(options),
+        clock_(options.clock) {}
+
+  [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
+
+  Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
+    if (next_ == layout_.frames.size()) return ReadStatus::EndOfStream;
+    const OniFrameRecord& record = layout_.frames[next_];
+    const auto sensor_time = std::chrono::microseconds(record.timestamp_us);
+    if (!pacer_.wait_until_due(sensor_time, timeout)) return ReadStatus::Timeout;
+    payload_.resize(record.payload_bytes);
+    frame.depth_mm.resize(static_cast<std::size_t>(layout_.width) * static_cast<std::size_t>(layout_.height));
+    if (!file_.read_at(record.payload_offset, payload_) || !decode_depth(layout_.codec, payload_, frame.depth_mm))
+      return fail(info_.uri.substr(4) + ": image " + std::to_string(record.index) + " at byte " +
+                  std::to_string(record.payload_offset) + " is corrupt");
+    frame.intrinsics = info_.intrinsics;
+    frame.sequence = record.index - 1;
+    frame.sensor = {sensor_time, ClockId::Recording};
+    frame.host = {clock_->now(), ClockId::HostMonotonic};
+    ++next_;
+    return ReadStatus::Frame;
+  }
+
+ private:
+  FileReader file_;
+  OniLayout layout_;
+  SourceInfo info_;
+  Pacer pacer_;
+  std::shared_ptr<Clock> clock_;
+  std::size_t next_ = 0;
+  std::vector<std::byte> payload_;
+};
+
 }  // namespace
 
 Expected<std::unique_ptr<DepthSource>> open_oni(const std::filesystem::path& path, const OpenOptions& options) {
@@ -174,6 +214,9 @@ Expected<std::unique_ptr<DepthSource>> open_oni(const std::filesystem::path& pat
   if (!layout) return tl::unexpected(layout.error());
   auto info = describe(path, *layout);
   if (!info) return tl::unexpected(info.error());
+  if (layout->unfinished) {
+    return std::make_unique<UnfinishedOniSource>(std::move(*file), std::move(*layout), std::move(*info), options);
+  }
   if (auto loaded = load_openni2(); !loaded) return tl::unexpected(loaded.error());
   auto source = std::make_unique<OniSource>(std::move(*file), std::move(*layout), std::move(*info), options);
   if (auto started = source->start(); !started) return tl::unexpected(started.error());

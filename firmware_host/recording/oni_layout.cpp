@@ -81,6 +81,8 @@ struct Node {
   [[nodiscard]] bool generator() const { return type == kDepthNode || type == 3 || type == 5; }  // depth, image, IR
 };
 
+constexpr std::uint32_t kNotCountedYet = 0xFFFF'FFFF;
+
 /// Holds the walk's state: the failure messages need the place they happened at.
 class Walk {
  public:
@@ -92,12 +94,12 @@ class Walk {
     offset_ = kOniFileHeaderBytes;
     for (;;) {
       std::array<std::byte, kOniRecordHeaderBytes> bytes{};
-      if (size_ - offset_ < bytes.size() || !read_at_(offset_, bytes)) return cut_off();
+      if (size_ - offset_ < bytes.size() || !read_at_(offset_, bytes)) return unfinished_or_cut_off();
       OniRecordHeader header;
       if (!parse_record_header(bytes, header)) return wrong("expected a record ('NIR')");
       if (header.fields_bytes < kOniRecordHeaderBytes || header.fields_bytes > kMaxFieldsBytes)
         return wrong("a record's fields take " + std::to_string(header.fields_bytes) + " bytes");
-      if (header.total_bytes() > size_ - offset_) return cut_off();
+      if (header.total_bytes() > size_ - offset_) return unfinished_or_cut_off();
       if (header.total_bytes() > kMaxOniPayloadBytes) return wrong("a record is larger than OpenNI2 can play");
       fields_.resize(header.fields_bytes - kOniRecordHeaderBytes);
       if (!read_at_(offset_ + kOniRecordHeaderBytes, fields_)) return cut_off();
@@ -120,6 +122,14 @@ class Walk {
   tl::unexpected<Error> cut_off() const {
     return fail(name_ + ": truncated recording: it ends at byte " + std::to_string(size_) +
                 " without its end record, after " + std::to_string(layout_.frames.size()) + " complete frames");
+  }
+
+  /// OpenNI2's recorder writes how many frames there are last: until then it says that nobody knows.
+  Expected<OniLayout> unfinished_or_cut_off() {
+    if (depth_ == nullptr || depth_->frame_count != kNotCountedYet || layout_.frames.empty()) return cut_off();
+    layout_.unfinished = true;
+    layout_.end_offset = offset_;
+    return conclude();
   }
 
   Expected<void> read_file_header() {
@@ -332,7 +342,7 @@ Expected<OniLayout> Walk::conclude() {
   if (depth_ == nullptr) return refused("holds no depth stream");
   for (const auto& [id, node] : nodes_) {
     if (!node.ready || (node.generator() && !node.data_begun)) return wrong("the file ends before its streams begin");
-    if (node.frame_count > 0 && node.seek_table_offset != 0 && !node.has_seek_table)
+    if (!layout_.unfinished && node.frame_count > 0 && node.seek_table_offset != 0 && !node.has_seek_table)
       return wrong("the seek table of stream '" + node.name + "' is not where the file says");
   }
   const auto frame_bytes =

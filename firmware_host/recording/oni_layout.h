@@ -34,7 +34,8 @@ struct OniLayout {
   double vertical_fov_rad = 0;
   DepthCodec codec = DepthCodec::TableDifferences;
   std::vector<OniFrameRecord> frames;  ///< in the order of the file
-  std::uint64_t end_offset = 0;        ///< where the end record ends; OpenNI2's recorder leaves as many zeros behind it
+  bool unfinished = false;       ///< its recorder was killed: it ends with its last complete frame, and only we play it
+  std::uint64_t end_offset = 0;  ///< where the end record ends; OpenNI2's recorder leaves as many zeros behind it
 };
 
 /// The largest record OpenNI2's player reads: 1600 x 1200 pixels of 3 bytes. What is larger cannot be replayed.
@@ -46,8 +47,8 @@ using ReadAt = std::function<bool(std::uint64_t offset, std::span<std::byte> out
 /// Walks the chain of records of an OpenNI2 recording (format 1.0.1.0) and checks everything that OpenNI2's own player
 /// takes on trust: sizes, counts, the order of records, node numbers, the resolution, the codec. A layout that comes
 /// back is safe to hand to the player, but for the images themselves, which decode_depth() checks. A recording that
-/// was cut off, one that is cropped, holds images in lossy compression or two depth streams is refused.
-/// `name` opens the message of every failure.
+/// was cut off after it was complete, one that is cropped, holds images in lossy compression or two depth streams is
+/// refused. `name` opens the message of every failure.
 [[nodiscard]] Expected<OniLayout> read_oni_layout(const ReadAt& read_at, std::uint64_t size, std::string_view name);
 
 [[nodiscard]] Expected<OniLayout> read_oni_layout(const FileReader& file, std::string_view name);

@@ -121,7 +121,7 @@ struct Recorder::State {
 
   ~State() {
     close();
-    if (!temporary.empty()) {
+    if (!temporary.empty() && temporary != path) {
       std::error_code ignored;
       std::filesystem::remove(temporary, ignored);
       std::filesystem::remove(sidecar_path(temporary), ignored);
@@ -187,11 +187,17 @@ Recorder::Recorder(Recorder&&) noexcept = default;
 Recorder& Recorder::operator=(Recorder&&) noexcept = default;
 Recorder::~Recorder() = default;
 
-Expected<Recorder> Recorder::create(std::filesystem::path path, const RecordingFacts& facts) {
+Expected<Recorder> Recorder::create(std::filesystem::path path, const RecordingFacts& facts, bool in_place) {
   if (auto checked = check_facts(path.string(), facts); !checked) return tl::unexpected(checked.error());
   if (auto loaded = load_openni2(); !loaded) return tl::unexpected(loaded.error());
   auto state = std::make_unique<State>();
-  state->temporary = temporary_path(path);
+  state->temporary = in_place ? path : temporary_path(path);
+  if (in_place) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    if (auto written = write_text(sidecar_path(path), format_sidecar(facts)); !written)
+      return tl::unexpected(written.error());
+  }
   state->path = std::move(path);
   state->facts = facts;
   if (auto opened = state->open(); !opened) return tl::unexpected(opened.error());
@@ -255,7 +261,7 @@ Expected<void> Recorder::finish() {
 Expected<std::uint64_t> write_recording(const std::filesystem::path& path, DepthSource& source,
                                         const WriteRecordingOptions& options) {
   const SourceInfo& info = source.info();
-  auto recorder = Recorder::create(path, {info.intrinsics, info.frames_per_second, info.uri});
+  auto recorder = Recorder::create(path, {info.intrinsics, info.frames_per_second, info.uri}, options.in_place);
   if (!recorder) return tl::unexpected(recorder.error());
   DepthFrame frame;
   std::uint64_t count = 0;

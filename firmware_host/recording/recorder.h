@@ -23,7 +23,10 @@ namespace armature {
 class Recorder {
  public:
   /// `path` should end in `.oni`. An existing recording is replaced, by finish().
-  [[nodiscard]] static Expected<Recorder> create(std::filesystem::path path, const RecordingFacts& facts);
+  /// `in_place`: under its own name from the beginning, so that what a killed process leaves replays up to its last
+  /// complete frame; an unfinished recording then stays where append() or finish() fails.
+  [[nodiscard]] static Expected<Recorder> create(std::filesystem::path path, const RecordingFacts& facts,
+                                                 bool in_place = false);
 
   Recorder(Recorder&&) noexcept;
   Recorder& operator=(Recorder&&) noexcept;
@@ -50,6 +53,7 @@ struct WriteRecordingOptions {
   std::stop_token stop = {};
   bool keep_when_stopped = true;
   std::function<void(std::uint64_t frames)> progress = {};
+  bool in_place = false;  ///< as Recorder::create() has it
 };
 
 /// Records `source` at `path`; the number of frames. A source without a single frame is an error, and nothing is left.

@@ -307,7 +307,8 @@ TEST(Replay, NamesWhatIsWrongWithAFile) {
   zero.depth_stream(0, 0, 1).frame(1, 0, "x").end();
   write(folder / "zero.oni", zero.bytes);
   EXPECT_NE(open_error(folder / "zero.oni").find("zero.oni: resolution 0 x 0"), std::string::npos);
-  EXPECT_EQ(open_depth_source("kinect:0").error().message, "source 'kinect:0': expected oni:FILE or fakenect:DIR");
+  EXPECT_EQ(open_depth_source("kinect:0").error().message,
+            "source 'kinect:0': expected oni:FILE, fakenect:DIR, openni2:, freenect:N or v4l2:/dev/videoN");
   EXPECT_EQ(open_depth_source("oni:").error().message, "source 'oni:': expected a path after the colon");
 }
 

@@ -1,0 +1,141 @@
+#include "firmware_host/backends/freenect_device.h"
+
+#include <array>
+#include <charconv>
+#include <vector>
+
+#include <libfreenect.h>
+#include <libfreenect_registration.h>
+#include <sys/time.h>
+
+#include "firmware_host/control/usb.h"
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kTicksPerSecond = 60e6;
+constexpr int kWidth = 640, kHeight = 480;
+/// By StatusLight.
+constexpr std::array<KinectLight, 5> kLights = {KinectLight::Off, KinectLight::BlinkingGreen, KinectLight::Yellow,
+                                                KinectLight::Green, KinectLight::Red};
+
+class FreenectDevice final : public DepthSource {
+ public:
+  FreenectDevice(int number, const OpenOptions& options) : number_(number), clock_(options.clock) {
+    info_.uri = "freenect:" + std::to_string(number);
+    info_.live = true;
+    pixels_.resize(std::size_t{kWidth} * kHeight);
+  }
+  ~FreenectDevice() override {
+    if (device_ != nullptr) {
+      freenect_stop_depth(device_);
+      freenect_close_device(device_);
+    }
+    if (context_ != nullptr) freenect_shutdown(context_);
+  }
+
+  Expected<void> start() {
+    if (freenect_init(&context_, nullptr) < 0) return complain("libusb cannot be initialised");
+    freenect_set_log_level(context_, FREENECT_LOG_FATAL);
+    freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
+    const int found = freenect_num_devices(context_);
+    if (found <= number_) {
+      return complain(found == 0 ? "no Kinect is plugged in" : "only " + std::to_string(found) + " are plugged in");
+    }
+    if (freenect_open_device(context_, &device_, number_) < 0) {
+      return complain(
+          "it is there and does not open: is another program using it, or are the udev rules missing? "
+          "`armature doctor` tells");
+    }
+    const freenect_registration registration = freenect_copy_registration(device_);
+    const auto& plane = registration.zero_plane_info;
+    const double focal_px = plane.reference_pixel_size > 0 ? static_cast<double>(plane.reference_distance) /
+                                                                 (2 * static_cast<double>(plane.reference_pixel_size))
+                                                           : 0;
+    freenect_registration owned = registration;
+    freenect_destroy_registration(&owned);
+    if (!(focal_px > 100 && focal_px < 5000)) return complain("its calibration makes no sense");
+    info_.intrinsics = {kWidth, kHeight, focal_px, focal_px, kWidth / 2.0, kHeight / 2.0};
+    freenect_set_user(device_, this);
+    freenect_set_depth_callback(device_, [](freenect_device* device, void*, std::uint32_t ticks) {
+      static_cast<FreenectDevice*>(freenect_get_user(device))->received(ticks);
+    });
+    return start_stream();
+  }
+
+  [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
+
+  Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
+    const auto until = clock_->now() + timeout;
+    fresh_ = false;
+    while (!fresh_) {
+      const auto left = until - clock_->now();
+      if (left <= 0ns) return ReadStatus::Timeout;
+      timeval wait{.tv_sec = 0,
+                   .tv_usec = std::min<long>(50'000, std::chrono::ceil<std::chrono::microseconds>(left).count())};
+      if (freenect_process_events_timeout(context_, &wait) < 0) return complain("unplugged");
+    }
+    frame.depth_mm.assign(pixels_.begin(), pixels_.end());
+    frame.intrinsics = info_.intrinsics;
+    frame.sequence = sequence_;
+    frame.sensor = {time_, ClockId::Device};
+    frame.host = {clock_->now(), ClockId::HostMonotonic};
+    return ReadStatus::Frame;
+  }
+
+  Expected<void> recover(RecoverBy by) override {
+    if (by == RecoverBy::ResettingDevice) return reset_kinect_camera(number_);
+    freenect_stop_depth(device_);
+    return start_stream();
+  }
+
+  void show(StatusLight light) override {
+    // Opened for the moment: another program may want to turn the motor.
+    const auto motor = KinectMotor::open(number_);
+    if (motor) (void)(*motor)->light(kLights[static_cast<std::size_t>(light)]);
+  }
+
+ private:
+  Expected<void> start_stream() {
+    const auto mode = freenect_find_depth_mode(FREENECT_RESOLUTION_MEDIUM, FREENECT_DEPTH_MM);
+    if (freenect_set_depth_mode(device_, mode) < 0 || freenect_set_depth_buffer(device_, pixels_.data()) < 0 ||
+        freenect_start_depth(device_) < 0) {
+      return complain("its depth stream does not start");
+    }
+    return {};
+  }
+  void received(std::uint32_t ticks) {
+    time_ = clock_of_sensor_(ticks);
+    ++sequence_;
+    fresh_ = true;
+  }
+  [[nodiscard]] tl::unexpected<Error> complain(const std::string& what) const { return fail(info_.uri + ": " + what); }
+
+  int number_;
+  std::shared_ptr<Clock> clock_;
+  SourceInfo info_;
+  freenect_context* context_ = nullptr;
+  freenect_device* device_ = nullptr;
+  std::vector<std::uint16_t> pixels_;
+  UnwrappedTicks clock_of_sensor_{kTicksPerSecond};
+  std::chrono::nanoseconds time_{0};
+  std::uint64_t sequence_ = 0;
+  bool fresh_ = false;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<DepthSource>> open_freenect_device(std::string_view number, const OpenOptions& options) {
+  int index = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
+  if (error != std::errc() || end != number.data() + number.size() || index < 0 || index > 15) {
+    return fail("source 'freenect:" + std::string(number) + "': expected freenect:N, N from 0 to 15");
+  }
+  auto source = std::make_unique<FreenectDevice>(index, options);
+  if (auto started = source->start(); !started) return tl::unexpected(started.error());
+  return std::unique_ptr<DepthSource>(std::move(source));
+}
+
+}  // namespace armature

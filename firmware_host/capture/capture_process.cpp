@@ -1,0 +1,232 @@
+#include "firmware_host/capture/capture_process.h"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+
+#include <poll.h>
+#include <spawn.h>
+#include <sys/eventfd.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "firmware_host/capture/recovery.h"
+#include "firmware_host/capture/shared_frames.h"
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A process that has not come round its loop for so long hangs in the device library.
+constexpr std::chrono::nanoseconds kHangs = 2s;
+
+std::filesystem::path program() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (self.parent_path() / "../lib/armature/armature-capture").lexically_normal();
+}
+
+/// A child that is killed and waited for when its owner goes.
+class Child {
+ public:
+  ~Child() { end(); }
+  [[nodiscard]] pid_t pid() const noexcept { return pid_.load(std::memory_order_relaxed); }
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  [[nodiscard]] bool running() const noexcept { return pid() > 0; }
+
+  /// False where it cannot be started.
+  bool start(const std::string& path, const std::string& uri, int frames, int wake) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, frames, kFramesDescriptor);
+    posix_spawn_file_actions_adddup2(&actions, wake, kWakeDescriptor);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    std::array<std::string, 2> words = {path, uri};
+    std::array<char*, 3> arguments = {words[0].data(), words[1].data(), nullptr};
+    pid_t pid = -1;
+    const int error = ::posix_spawn(&pid, path.c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    if (error != 0) return false;
+    pid_.store(pid, std::memory_order_relaxed);
+    descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+    return true;
+  }
+  /// How it ended, where it has.
+  bool ended(std::string& how) {
+    int status = 0;
+    if (!running() || ::waitpid(pid(), &status, WNOHANG) != pid()) return false;
+    how = WIFSIGNALED(status) ? std::string("the capture process died: ") + ::strsignal(WTERMSIG(status))
+                              : "the capture process ended with " + std::to_string(WEXITSTATUS(status));
+    forget();
+    return true;
+  }
+  void end() {
+    if (!running()) return;
+    ::kill(pid(), SIGKILL);
+    ::waitpid(pid(), nullptr, 0);
+    forget();
+  }
+
+ private:
+  void forget() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+    pid_.store(-1, std::memory_order_relaxed);
+  }
+  std::atomic<pid_t> pid_{-1};
+  int descriptor_ = -1;
+};
+
+}  // namespace
+
+struct CaptureProcess::State {
+  State(SharedFrames shared, int wake_descriptor) : frames(std::move(shared)), wake(wake_descriptor) {}
+  ~State() { ::close(wake); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void supervise();
+  void wait(std::chrono::nanoseconds at_most);
+  void set_trouble(std::string text) {
+    const std::lock_guard lock(mutex);
+    trouble = std::move(text);
+  }
+
+  SourceInfo info;
+  std::shared_ptr<Clock> clock;
+  SharedFrames frames;
+  int wake;
+  Child child;
+  Recovery recovery;
+  std::string path;
+  bool ever_started = false;
+  std::chrono::nanoseconds started{0};
+  mutable std::mutex mutex;
+  std::string trouble;  // under the mutex; empty: all is well
+  std::atomic<std::uint64_t> restarts{0}, bad_frames{0};
+};
+
+Expected<std::unique_ptr<CaptureProcess>> CaptureProcess::open(std::string_view uri, const OpenOptions& options) {
+  const std::string path = program().string();
+  if (::access(path.c_str(), X_OK) != 0) {
+    return fail(path + ": not there: expected the capture program beside the installed libraries");
+  }
+  auto frames = SharedFrames::create();
+  if (!frames) return tl::unexpected(frames.error());
+  const int wake = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (wake < 0) return fail(std::string("eventfd: ") + std::strerror(errno));
+  auto state = std::make_unique<State>(std::move(*frames), wake);
+  state->info.uri = uri;
+  state->info.live = true;
+  state->clock = options.clock;
+  state->path = path;
+  state->trouble = std::string(uri) + ": no frame yet";
+  std::unique_ptr<CaptureProcess> source(new CaptureProcess(std::move(state)));
+  DepthFrame frame;
+  for (const auto begin = options.clock->now(); options.wait_for_device > 0ms;) {
+    const auto status = source->read(frame, 100ms);
+    if (status && *status == ReadStatus::Frame) {
+      source->state_->info.intrinsics = frame.intrinsics;
+      source->state_->info.frames_per_second = source->state_->frames.frames_per_second();
+    }
+    if (status && *status != ReadStatus::Timeout) break;
+    if (options.clock->now() - begin > options.wait_for_device) return fail(source->health().trouble);
+  }
+  return source;
+}
+
+CaptureProcess::CaptureProcess(std::unique_ptr<State> state) : state_(std::move(state)) {}
+CaptureProcess::~CaptureProcess() = default;
+
+const SourceInfo& CaptureProcess::info() const noexcept {
+  return state_->info;
+}
+
+SourceHealth CaptureProcess::health() const {
+  const std::lock_guard lock(state_->mutex);
+  return {state_->trouble, state_->restarts.load(std::memory_order_relaxed),
+          state_->bad_frames.load(std::memory_order_relaxed)};
+}
+
+void CaptureProcess::show(StatusLight light) {
+  state_->frames.show(static_cast<std::uint32_t>(light));
+}
+
+pid_t CaptureProcess::process() const noexcept {
+  return state_->child.pid();
+}
+
+void CaptureProcess::State::supervise() {
+  const auto now = clock->now();
+  std::string how;
+  if (child.ended(how)) {
+    set_trouble(info.uri + ": " + how);
+    recovery.process_ended(now);
+  }
+  if (child.running() && now - std::max(frames.last_alive(), started) > kHangs) {
+    set_trouble(info.uri + ": the capture process hangs and is started again");
+    child.end();
+    recovery.process_ended(now);
+  }
+  const bool waiting = child.running() && frames.state() == CaptureState::Waiting && now - frames.last_alive() < 2s;
+  if (waiting) set_trouble(frames.trouble());
+  switch (recovery.step(now, child.running(), waiting)) {
+    case Recovery::Step::None: return;
+    case Recovery::Step::RestartStream: return frames.command(CaptureCommand::RestartStream);
+    case Recovery::Step::ResetDevice: return frames.command(CaptureCommand::ResetDevice);
+    case Recovery::Step::Reopen: return frames.command(CaptureCommand::Reopen);
+    case Recovery::Step::RestartProcess: break;
+  }
+  if (child.running()) set_trouble(info.uri + ": the capture process hangs and is started again");
+  child.end();
+  frames.clear();
+  if (ever_started) restarts.fetch_add(1, std::memory_order_relaxed);
+  ever_started = true;
+  if (!child.start(path, info.uri, frames.descriptor(), wake)) set_trouble(path + ": cannot be started");
+  started = now;
+  recovery.process_started(now);
+  if (!child.running()) recovery.process_ended(now);
+}
+
+void CaptureProcess::State::wait(std::chrono::nanoseconds at_most) {
+  std::array<pollfd, 2> events{{{wake, POLLIN, 0}, {child.descriptor(), POLLIN, 0}}};
+  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(at_most).count();
+  if (::poll(events.data(), child.descriptor() < 0 ? 1 : 2, static_cast<int>(ms)) > 0 && events[0].revents != 0) {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const auto read = ::read(wake, &count, sizeof count);
+  }
+}
+
+Expected<ReadStatus> CaptureProcess::read(DepthFrame& frame, std::chrono::milliseconds timeout) {
+  State& s = *state_;
+  const auto until = s.clock->now() + timeout;
+  for (;;) {
+    s.supervise();
+    switch (s.frames.read(frame)) {
+      case SharedFrames::Read::Frame:
+        s.recovery.frame(s.clock->now());
+        s.set_trouble("");
+        return ReadStatus::Frame;
+      case SharedFrames::Read::Torn: s.bad_frames.fetch_add(1, std::memory_order_relaxed); continue;
+      case SharedFrames::Read::Nothing: break;
+    }
+    if (s.child.running() && s.frames.state() == CaptureState::Ended) return ReadStatus::EndOfStream;
+    const auto left = until - s.clock->now();
+    if (left <= 0ns) return ReadStatus::Timeout;
+    s.wait(std::min<std::chrono::nanoseconds>(left, 50ms));
+  }
+}
+
+}  // namespace armature

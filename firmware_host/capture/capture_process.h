@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include <sys/types.h>
+
+#include "firmware_host/depth_source.h"
+
+namespace armature {
+
+/// A source that is read by a process of its own (`lib/armature/armature-capture`), which hands frames over in shared
+/// memory, newest wins. A device library that crashes or hangs takes nobody with it: read() says Timeout, health() says
+/// why, and Recovery decides when the stream is restarted, the device reset or reopened, the process killed and started
+/// again. It never gives up, so read() never fails; a recording's end is passed on.
+class CaptureProcess final : public DepthSource {
+ public:
+  /// Fails only where the program is missing. With OpenOptions::wait_for_device, also where no frame comes within it.
+  [[nodiscard]] static Expected<std::unique_ptr<CaptureProcess>> open(std::string_view uri, const OpenOptions& options);
+  ~CaptureProcess() override;
+
+  /// Of the first frame where open() waited for one, else empty.
+  [[nodiscard]] const SourceInfo& info() const noexcept override;
+  [[nodiscard]] Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override;
+  [[nodiscard]] SourceHealth health() const override;
+  /// Any thread.
+  void show(StatusLight light) override;
+
+  /// The running process; -1 where there is none at the moment. For tests, which kill it. Any thread.
+  [[nodiscard]] pid_t process() const noexcept;
+
+ private:
+  struct State;
+  explicit CaptureProcess(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Where a capture process finds the shared memory and the event that wakes its reader.
+inline constexpr int kFramesDescriptor = 1000;
+inline constexpr int kWakeDescriptor = 1001;
+
+/// What armature-capture does: opens `uri` in this process, writes its frames to the shared memory behind
+/// `frames_descriptor`, wakes the reader through `wake_descriptor`, and starts over whenever the source fails. Returns
+/// when its parent is gone or the memory is not what it should be.
+int run_capture(std::string_view uri, int frames_descriptor, int wake_descriptor);
+
+}  // namespace armature

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+namespace armature {
+
+/// What to try next with a sensor that is silent, and when: gentle first, harder later, never giving up.
+///
+///     silence    0.5 s         1.2 s        2.2 s    3.5 s             and then, each after a longer pause up to 2 s
+///     step       restart the   reset the    reopen   restart the       restart the process
+///                stream        USB device   it       process
+///
+/// A pure function of the times it is told. Thread-safe: no. Realtime-safe: yes.
+class Recovery {
+ public:
+  using Time = std::chrono::nanoseconds;
+  enum class Step : std::uint8_t { None, RestartStream, ResetDevice, Reopen, RestartProcess };
+
+  /// A frame came: all is well again.
+  void frame(Time now) noexcept {
+    silent_since_ = now;
+    tried_ = 0;
+  }
+  /// The process is gone. It is started again after a pause that doubles from 100 ms to 2 s while no frame comes.
+  void process_ended(Time now) noexcept {
+    tried_ = std::max(tried_, kProcess);
+    due_ = std::max(now + pause(), last_start_ + pause());
+  }
+  void process_started(Time now) noexcept {
+    silent_since_ = now;
+    last_start_ = now;
+    tried_ = tried_ < kProcess ? 0 : tried_ + 1;
+    due_ = now + kPatience;
+  }
+
+  /// What is due now; each step once. `waiting`: the process says that there is no device to open, and looks for one.
+  [[nodiscard]] Step step(Time now, bool running, bool waiting) noexcept {
+    using namespace std::chrono_literals;
+    if (!running) return now >= due_ ? Step::RestartProcess : Step::None;
+    if (waiting) {
+      silent_since_ = now;
+      return Step::None;
+    }
+    const Time silent = now - silent_since_;
+    if (tried_ >= kProcess) return silent > kPatience ? restart() : Step::None;
+    if (tried_ == 0 && silent > 500ms) return next(Step::RestartStream);
+    if (tried_ == 1 && silent > 1200ms) return next(Step::ResetDevice);
+    if (tried_ == 2 && silent > 2200ms) return next(Step::Reopen);
+    if (tried_ == 3 && silent > kPatience) return restart();
+    return Step::None;
+  }
+
+ private:
+  static constexpr int kProcess = 4;
+  static constexpr Time kPatience{std::chrono::milliseconds(3500)};
+  [[nodiscard]] Time pause() const noexcept {
+    const int doublings = std::clamp(tried_ - kProcess, 0, 5);
+    return std::min<Time>(std::chrono::milliseconds(100) * (1 << doublings), std::chrono::seconds(2));
+  }
+  Step next(Step step) noexcept {
+    ++tried_;
+    return step;
+  }
+  Step restart() noexcept {
+    tried_ = std::max(tried_, kProcess);
+    return Step::RestartProcess;
+  }
+
+  Time silent_since_{0}, due_{0}, last_start_{0};
+  int tried_ = 0;  // steps since the last frame; from kProcess on, starts of the process
+};
+
+}  // namespace armature

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_host/error.h"
+
+// What libusb does itself, beside the device libraries: who is plugged in, hot-plug, and the Kinect v1's motor, LED and
+// accelerometer.
+
+namespace armature {
+
+/// A depth sensor on the USB bus.
+struct UsbSensor {
+  std::string name;    ///< "Kinect v1"
+  std::string uri;     ///< what armatured opens it by; empty where a kernel driver serves it (v4l2:)
+  std::string serial;  ///< empty where it has none or may not be asked
+  std::uint16_t vendor = 0, product = 0;
+  int bus = 0, address = 0;
+  std::string port;       ///< "1-2.3", as the kernel names it
+  double speed_mbit = 0;  ///< 0 = unknown
+  std::string problem;    ///< empty, or why it cannot be opened by this user
+};
+
+/// The sensors that are plugged in, in the order of bus and address. Fails where libusb cannot be initialised.
+[[nodiscard]] Expected<std::vector<UsbSensor>> list_usb_sensors();
+
+/// The name of a sensor with these numbers; null where it is not one.
+[[nodiscard]] const char* sensor_name(std::uint16_t vendor, std::uint16_t product) noexcept;
+
+/// Resets the `number`-th Kinect v1 camera, as unplugging it would. It has to be opened anew.
+[[nodiscard]] Expected<void> reset_kinect_camera(int number);
+
+/// Tells of sensors that are plugged in or out. Thread-safe: no.
+class UsbWatch {
+ public:
+  using Heard = std::function<void(bool plugged_in, std::uint16_t vendor, std::uint16_t product)>;
+  /// `heard` is called from within wait(), also for each sensor that is there from the beginning.
+  [[nodiscard]] static Expected<std::unique_ptr<UsbWatch>> start(Heard heard);
+  ~UsbWatch();
+  UsbWatch(const UsbWatch&) = delete;
+  UsbWatch& operator=(const UsbWatch&) = delete;
+
+  /// Waits for something to happen for at most `timeout`.
+  void wait(std::chrono::milliseconds timeout);
+
+ private:
+  struct State;
+  explicit UsbWatch(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// The colours of a Kinect v1's LED, as its motor understands them.
+enum class KinectLight : std::uint8_t {
+  Off = 0,
+  Green = 1,
+  Red = 2,
+  Yellow = 3,
+  BlinkingGreen = 4,
+  BlinkingRedYellow = 6
+};
+
+/// What the accelerometer and the motor of a Kinect v1 say.
+struct KinectPosture {
+  std::array<double, 3>
+      up_m_s2{};        ///< gravity's reaction; camera frame (x right, y down, z forward): at rest, level: (0, -9.8, 0)
+  double tilt_deg = 0;  ///< of the motor against its foot, positive = looks up
+  bool moving = false;
+};
+/// The ten bytes that the motor answers with.
+[[nodiscard]] KinectPosture parse_kinect_posture(const std::array<std::uint8_t, 10>& answer) noexcept;
+
+/// The motor board of the `number`-th Kinect v1: a USB device beside its camera. Thread-safe: no.
+class KinectMotor {
+ public:
+  [[nodiscard]] static Expected<std::unique_ptr<KinectMotor>> open(int number);
+  ~KinectMotor();
+  KinectMotor(const KinectMotor&) = delete;
+  KinectMotor& operator=(const KinectMotor&) = delete;
+
+  [[nodiscard]] Expected<void> light(KinectLight light);
+  /// Degrees against the foot, -30 to 30, positive = looks up.
+  [[nodiscard]] Expected<void> tilt(double degrees);
+  [[nodiscard]] Expected<KinectPosture> posture();
+
+ private:
+  struct State;
+  explicit KinectMotor(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace armature
