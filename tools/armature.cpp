@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/commands/appliance/appliance.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/decimate/decimate.h"
 #include "tools/commands/edit/edit.h"
@@ -15,9 +16,12 @@ using namespace armature::tools;
 void add_commands(CLI::App& app, Run& run) {
   add_bench(app, run);
   add_decimate(app, run);
+  add_devices(app, run);
+  add_doctor(app, run);
   add_edit(app, run);
   add_forest(app, run);
   add_import(app, run);
+  add_keys(app, run);
   add_listen(app, run);
   add_mesh(app, run);
   add_record(app, run);
@@ -27,6 +31,7 @@ void add_commands(CLI::App& app, Run& run) {
   add_replay(app, run);
   add_select(app, run);
   add_spheremesh(app, run);
+  add_status(app, run);
   add_synth(app, run);
 }
 

@@ -216,6 +216,12 @@ Expected<Config> parse_config(std::string_view text, std::string_view name) {
         reader.place(reader.has("segmentation.near_m") ? "segmentation.near_m" : "segmentation.far_m"),
         fmt::format("segmentation.near_m = {} and far_m = {}: expected near_m < far_m", zone.near_m, zone.far_m));
   }
+  const EngagementOptions& active = config.tracker.engagement;
+  if (active.near_m >= active.far_m) {
+    reader.complain(
+        reader.place(reader.has("engagement.near_m") ? "engagement.near_m" : "engagement.far_m"),
+        fmt::format("engagement.near_m = {} and far_m = {}: expected near_m < far_m", active.near_m, active.far_m));
+  }
   if (!reader.complaint().empty()) return fail(reader.complaint());
   return config;
 }

@@ -18,6 +18,12 @@ struct Config {
   std::string source;                                ///< URI; empty: named on the command line
   bool lossless = false;                             ///< a recording is read frame by frame, none dropped
   std::string endpoint = "ipc:///run/armature/nav";  ///< where navigation is published
+  bool insecure = false;                             ///< a tcp endpoint without keys, for whoever asks
+  std::string keys;                                  ///< CURVE: our own pair (`armature keys new`), for tcp
+  std::string allow;                                 ///< CURVE: the list of keys that may connect, for tcp
+  std::string control;                               ///< base of the control socket; empty: beside the endpoint
+  std::string control_uids;                          ///< who may change something, besides root and our own user
+  int metrics_port = 0;                              ///< on 127.0.0.1; 0 = none
   std::string model;                                 ///< a forest; empty: the one that is installed
   Profile profile = Profile::Standing;
   TrackerOptions tracker;

@@ -17,13 +17,25 @@ namespace armature {
 template <class Visitor>
 void visit_config(Config& c, Visitor& v) {
   v.section("source", "Where depth comes from.");
-  v.text("uri", c.source, "oni:FILE, fakenect:DIR or synth:NAME; empty: named by --source");
+  v.text("uri", c.source,
+         "openni2:, freenect:N, v4l2:/dev/videoN, oni:FILE, fakenect:DIR or synth:NAME; empty: named by --source");
   v.flag("lossless", c.lossless, "read a recording frame by frame and drop none, instead of at its own pace");
 
   v.section("publish", "Where velocities go.");
-  v.text("endpoint", c.endpoint, "a ZeroMQ endpoint; ipc:///PATH or tcp://ADDRESS:PORT");
+  v.text("endpoint", c.endpoint, "a ZeroMQ endpoint; ipc:///PATH (mode 0660) or tcp://ADDRESS:PORT");
+  v.text("keys", c.keys, "tcp: our own CURVE keys, made by `armature keys new FILE`");
+  v.text("allow", c.allow, "tcp: whose keys may connect, made by `armature keys allow FILE KEY NAME`");
+  v.flag("insecure", c.insecure, "tcp without keys: everybody on the network may listen; logged at every start");
 
-  v.section("segmentation", "The active zone: who is outside is not seen.");
+  v.section("control", "Who may change settings: programs of this machine.");
+  v.text("endpoint", c.control,
+         "ipc:///PATH, whose socket is PATH.control; empty: beside publish.endpoint, or the default");
+  v.text("uids", c.control_uids, "numbers of users who may, besides root and our own: \"1000, 1001\"");
+
+  v.section("health", "For whoever watches over many of these.");
+  v.whole("metrics_port", c.metrics_port, 0, 65535, "Prometheus metrics on http://127.0.0.1:PORT/metrics; 0: none");
+
+  v.section("segmentation", "What is looked at: who is outside is not seen.");
   SegmentationOptions& zone = c.tracker.segmentation;
   v.number("near_m", zone.near_m, 0.3F, 8.0F, "nearest distance along the optical axis");
   v.number("far_m", zone.far_m, 0.5F, 10.0F, "farthest");
@@ -45,9 +57,16 @@ void visit_config(Config& c, Visitor& v) {
   v.number("still_spread_m", rest.still_spread_m, 0.001F, 0.5F, "standard deviation of a joint at 2 m that is still");
   v.number("still_drift_m", rest.still_drift_m, 0.001F, 0.5F, "drift of a joint at 2 m that is still");
 
-  v.section("engagement", "Who steers.");
-  v.seconds("lost_timeout_s", c.tracker.engagement.lost_timeout, 0.0F, 60.0F,
-            "a user out of sight for longer has to stand still again");
+  v.section("engagement", "Who steers: the active zone on the floor before the sensor, and how long a turn lasts.");
+  EngagementOptions& engagement = c.tracker.engagement;
+  v.number("near_m", engagement.near_m, 0.3F, 8.0F, "the zone begins so far before the sensor, along the floor");
+  v.number("far_m", engagement.far_m, 0.5F, 10.0F, "and ends so far");
+  v.number("half_width_m", engagement.half_width_m, 0.2F, 10.0F, "to either side");
+  v.number("place_radius_m", engagement.place_radius_m, 0.3F, 10.0F,
+           "whoever steers and moves farther from where she stood still has left");
+  v.angle("facing_deg", engagement.facing_rad, 10.0F, 90.0F, "whose shoulders are turned farther cannot take over");
+  v.seconds("lost_timeout_s", engagement.lost_timeout, 0.0F, 60.0F,
+            "a user who has left or is out of sight for longer has to stand still again");
 
   NavigationOptions& navigation = c.tracker.navigation;
   v.section("navigation", "What the two motions do. Forward and to the left are positive.");
@@ -63,6 +82,13 @@ void visit_config(Config& c, Visitor& v) {
            "how fast walking speeds up; stopping is not limited");
   v.angle("turn_acceleration_deg_s2", navigation.actuator.turn_acceleration_rad_s2, 1.0F, 7200.0F,
           "how fast turning speeds up; stopping is not limited");
+
+  v.section("adaptation", "Motion ranges that follow the person who steers; they are reset with her.");
+  AdaptationOptions& adaptation = navigation.adaptation;
+  v.flag("enabled", adaptation.enabled, "whether they do");
+  v.number("least", adaptation.least, 0.3F, 1.0F, "of the configured range, at least");
+  v.number("most", adaptation.most, 1.0F, 3.0F, "of the configured range, at most");
+  v.number("carrying", adaptation.carrying, 0.3F, 1.0F, "and of that while something is carried before the body");
 
   v.section("filter", "One-Euro filter on the angles: calm at rest, quick in motion.");
   OneEuroOptions& filter = navigation.motions.filter;

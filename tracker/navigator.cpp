@@ -15,6 +15,7 @@ Navigator::Navigator(const NavigationOptions& navigation, const RestOptions& res
     : options_(navigation),
       rest_(rest, navigation.motions),
       meter_(navigation.motions),
+      range_rad_(navigation.motions.range_rad),
       actuator_(navigation.actuator),
       rest_options_(rest) {}
 
@@ -27,6 +28,8 @@ void Navigator::set_options(const NavigationOptions& navigation) noexcept {
 
 void Navigator::start_over() noexcept {
   rest_.reset();
+  adapter_.reset();
+  meter_.set_options(options_.motions);
   stop();
 }
 
@@ -39,6 +42,13 @@ const Navigation& Navigator::stop() noexcept {
   return out_;
 }
 
+void Navigator::hold() noexcept {
+  for (ShapedMotion& shape : shapes_) shape.reset();
+  out_.walk = 0;
+  out_.turn = 0;
+  out_.velocity = actuator_.stop();
+}
+
 void Navigator::measure(const Skeleton& skeleton, const Eigen::Vector3f& up, std::chrono::nanoseconds time) noexcept {
   if (last_time_ && (time <= *last_time_ || time - *last_time_ > kForgetAfter)) stop();
   dt_ = last_time_ ? time - *last_time_ : kFirstStep;
@@ -48,6 +58,12 @@ void Navigator::measure(const Skeleton& skeleton, const Eigen::Vector3f& up, std
   if (!rest_.rest()) return;
 
   const PerMotion<MotionReading>& readings = meter_.measure(skeleton, *rest_.rest(), dt_);
+  range_rad_ = adapter_.adapt(readings, options_.motions.range_rad, skeleton, dt_, options_.adaptation);
+  if (options_.adaptation.enabled) {
+    MotionOptions now = options_.motions;
+    now.range_rad = range_rad_;
+    meter_.set_options(now);  // from the next frame on
+  }
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     out_.motions[m].angle_rad = readings[m].angle_rad;
     out_.motions[m].normalized = readings[m].normalized;
@@ -59,7 +75,7 @@ const Navigation& Navigator::drive() noexcept {
   if (!rest_.rest()) return out_;
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     MotionOutput& motion = out_.motions[m];
-    motion.dead_zone = dead_zone(options_.transfer[m].alpha, rest_.sigma_rad()[m] / options_.motions.range_rad[m]);
+    motion.dead_zone = dead_zone(options_.transfer[m].alpha, rest_.sigma_rad()[m] / range_rad_[m]);
     motion.shaped = shapes_[m].shape(motion.normalized, motion.dead_zone, options_.transfer[m].beta);
   }
   const MotionOutput& walking = out_.motions[index(options_.pair.walk)];

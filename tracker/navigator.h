@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "tracker/motions/motion_meter.h"
+#include "tracker/motions/range_adapter.h"
 #include "tracker/motions/rest_estimator.h"
 #include "tracker/transfer/actuator.h"
 #include "tracker/transfer/steering_pair.h"
@@ -25,6 +26,7 @@ struct NavigationOptions {
                                           {.alpha = 0.35F},
                                           {.alpha = 0.35F}}};
   ActuatorOptions actuator;
+  AdaptationOptions adaptation;
 };
 
 /// One motion on its way from an angle to a share of the maximum speed.
@@ -69,7 +71,10 @@ class Navigator {
   /// The second half: transfer functions and actuator.
   const Navigation& drive() noexcept;
 
-  /// A frame in which she was not: the camera stops at once.
+  /// Instead of the second half: motions are measured, and the camera stands.
+  void hold() noexcept;
+
+  /// A frame in which she was not tracked: the camera stops at once.
   const Navigation& stop() noexcept;
 
   [[nodiscard]] const Navigation& navigation() const noexcept { return out_; }
@@ -79,6 +84,8 @@ class Navigator {
   NavigationOptions options_;
   RestEstimator rest_;
   MotionMeter meter_;
+  RangeAdapter adapter_;
+  PerMotion<float> range_rad_{};  // in force
   PerMotion<ShapedMotion> shapes_;
   Actuator actuator_;
   std::optional<std::chrono::nanoseconds> last_time_;

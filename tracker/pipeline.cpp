@@ -30,7 +30,7 @@ bool stands(const CameraVelocity& velocity) noexcept {
   return velocity.linear_m_s == 0 && velocity.angular_rad_s == 0;
 }
 
-constexpr std::size_t kMaxEvents = 4 + kMotionCount;
+constexpr std::size_t kMaxEvents = 5 + kMotionCount;
 
 }  // namespace
 
@@ -115,8 +115,11 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   timer.done(StageId::Segmentation);
 
   const std::uint8_t last_user = s.engagement.user();
-  const std::uint8_t visible_user = s.engagement.choose(segmentation.users, time);
+  const bool was_locked = s.engagement.locked();
+  const EngagementState last_state = s.engagement.state();
+  const std::uint8_t visible_user = s.engagement.choose(segmentation.users, segmentation.up, time);
   if (s.engagement.user_changed()) {
+    if (was_locked) s.say(TrackerEventKind::Released, last_user);
     if (last_user != 0) s.say(TrackerEventKind::UserLeft, last_user);
     if (visible_user != 0) s.say(TrackerEventKind::UserEntered, visible_user);
     s.start_over();
@@ -133,22 +136,29 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     timer.done(StageId::Joints);
   }
 
-  const bool rest_was_known = s.navigator.rest().rest().has_value();
-  if (out.tracking) {
+  const RestEstimator& rest = s.navigator.rest();
+  const bool rest_was_known = rest.rest().has_value();
+  const bool facing = out.tracking && s.engagement.faces_sensor(out.skeleton);
+  if (out.tracking && (facing || rest_was_known)) {
     s.navigator.measure(out.skeleton, segmentation.up, time);
-    s.filter.filter(out.skeleton, time);  // motions have filters of their own: two in a row would only be late
-    timer.done(StageId::Motions);
+  } else if (!rest_was_known) {
+    s.navigator.start_over();  // a rest pose is one of standing still and facing the sensor
+  }
+  const bool rest_known = rest.rest().has_value();
+  out.state = s.engagement.update({out.tracking, facing, rest_known, rest.progress()});
+  out.user = s.engagement.user();
+  if (out.tracking) s.filter.filter(out.skeleton, time);  // motions have their own: two in a row would only be late
+  timer.done(StageId::Motions);
+  if (out.state == EngagementState::Engaged) {
     out.navigation = s.navigator.drive();
-    timer.done(StageId::Transfer);
+  } else if (out.tracking) {
+    s.navigator.hold();
+    out.navigation = s.navigator.navigation();
   } else {
     out.skeleton = Skeleton{};
     out.navigation = s.navigator.stop();
   }
-  const RestEstimator& rest = s.navigator.rest();
-  const bool rest_known = rest.rest().has_value();
-  const EngagementState last_state = s.engagement.state();
-  out.state = s.engagement.update(out.tracking, rest_known);
-  out.user = s.engagement.user();
+  timer.done(StageId::Transfer);
   out.rest_progress = rest.progress();
   if (rest_known) out.user_frame = rest.rest()->frame;
 
@@ -164,7 +174,8 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
 
   switch (out.state) {
     case EngagementState::Absent: out.stop = StopReason::NoUser; break;
-    case EngagementState::Calibrating: out.stop = StopReason::Calibrating; break;
+    case EngagementState::Waiting:
+    case EngagementState::Calibrating: out.stop = StopReason::NotEngaged; break;
     case EngagementState::Lost: out.stop = StopReason::TrackingLost; break;
     case EngagementState::Engaged:
       out.stop = out.navigation.too_noisy && stands(out.navigation.velocity) ? StopReason::TooNoisy : StopReason::None;

@@ -38,6 +38,7 @@ enum class TrackerEventKind : std::uint8_t {
   UserLeft,
   RestCaptured,
   Engaged,
+  Released,  ///< steers no more; anybody may be next
   TrackingLost,
   TrackingRegained,
   MotionTooNoisy,

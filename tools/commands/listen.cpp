@@ -36,6 +36,8 @@ constexpr milliseconds kLogLine = 500ms;
 
 struct ListenOptions {
   std::string endpoint{navproto::kDefaultEndpoint};
+  std::string keys, server_key;  ///< of a publisher over tcp that asks for them
+  std::optional<navproto::CurveClient> curve;
   bool json = false;
   bool plain = false;
   long frames = 0;       ///< 0 = no limit
@@ -76,6 +78,12 @@ class SettingsWatch {
   std::jthread thread_;
 };
 
+navproto::SubscriberOptions subscriber_options(const ListenOptions& options) {
+  navproto::SubscriberOptions subscriber;
+  subscriber.curve = options.curve;
+  return subscriber;
+}
+
 /// Whether the publisher has said that nothing more will come.
 bool is_over(const navproto::NavigationMessage& navigation) {
   return navigation.stop_reason == StopReason::EndOfStream || navigation.stop_reason == StopReason::Exit;
@@ -86,7 +94,7 @@ class Listener {
  public:
   explicit Listener(const ListenOptions& options)
       : options_(options),
-        nav_(options.endpoint),
+        nav_(options.endpoint, subscriber_options(options)),
         model_(options.endpoint, navproto::monotonic_now()),
         start_(navproto::monotonic_now()),
         shows_picture_(!options.json && !options.plain && Terminal::there()) {}
@@ -95,7 +103,8 @@ class Listener {
     // Who only listens wants every value; who looks wants the body and the dead zones, too.
     std::optional<SettingsWatch> settings;
     if (shows_picture_ || !options_.svg.empty()) {
-      if (auto feed = navproto::FeedSubscriber::connect(options_.endpoint)) feed_.emplace(std::move(*feed));
+      if (auto feed = navproto::FeedSubscriber::connect(options_.endpoint, options_.curve))
+        feed_.emplace(std::move(*feed));
       settings.emplace(options_.endpoint);
     }
     if (shows_picture_) terminal_.emplace();
@@ -229,6 +238,9 @@ void add_listen(CLI::App& app, Run& run) {
   command->add_option("--rows", options->rows, "Height of the --svg picture in characters")
       ->check(CLI::Range(12, 200))
       ->capture_default_str();
+  command->add_option("--keys", options->keys, "tcp with keys: our own pair, made by `armature keys new`")
+      ->type_name("FILE");
+  command->add_option("--server", options->server_key, "tcp with keys: the publisher's public key")->type_name("KEY");
   command->footer(
       "In a terminal: a picture that redraws in place (q quits); elsewhere two lines a second. Ends by itself when "
       "the\n"
@@ -238,6 +250,14 @@ void add_listen(CLI::App& app, Run& run) {
     run = [options]() -> Expected<void> {
       if (const auto endpoints = navproto::endpoints_of(options->endpoint); !endpoints) {
         return fail(endpoints.error().message);
+      }
+      if (options->keys.empty() != options->server_key.empty())
+        return fail("--keys and --server: expected both or neither");
+      if (!options->keys.empty()) {
+        auto keys = navproto::read_key_pair(options->keys);
+        if (!keys) return fail(keys.error().message);
+        if (!navproto::is_key(options->server_key)) return fail("--server: expected a public key of 40 characters");
+        options->curve = navproto::CurveClient{options->server_key, std::move(*keys)};
       }
       return Listener(*options).run();
     };

@@ -2,6 +2,7 @@
 
 #include "tools/commands/commands.h"
 #include "tools/commands/recording_result.h"
+#include "tools/tracking/feed_source.h"
 #include "tracker/synth/open_source.h"
 
 namespace armature::tools {
@@ -16,9 +17,11 @@ struct Arguments {
 };
 
 Expected<void> record(const Arguments& arguments) {
-  auto source = open_source(arguments.source);
+  const bool feed = arguments.source.starts_with(kFeedScheme);
+  auto source = feed ? open_feed(arguments.source.substr(kFeedScheme.size())) : open_source(arguments.source);
   if (!source) return tl::unexpected(source.error());
   WriteRecordingOptions options;
+  options.in_place = (*source)->info().live;
   options.max_frames = arguments.frames;
   if (arguments.seconds)
     options.max_duration =
@@ -31,7 +34,11 @@ Expected<void> record(const Arguments& arguments) {
 void add_record(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("record", "Record a depth source to a file that every OpenNI2 program opens");
-  command->add_option("SOURCE", arguments->source, "oni:FILE, fakenect:DIR or synth:NAME")->required();
+  command
+      ->add_option("SOURCE", arguments->source,
+                   "feed:ENDPOINT (what a running daemon sees), openni2:, freenect:N, v4l2:/dev/videoN, oni:FILE, "
+                   "fakenect:DIR or synth:NAME")
+      ->required();
   command->add_option("OUT", arguments->out, "The recording, OUT.oni; OUT.oni.toml beside it holds the intrinsics")
       ->required()
       ->check(check_recording_name);
@@ -40,9 +47,13 @@ void add_record(CLI::App& app, Run& run) {
       ->check(CLI::Range(0.001, 86400.0));
   command->add_flag("--json", arguments->json, "Print the result as one line of JSON");
   command->footer(
-      "Ctrl-C ends the recording and keeps what is there. Depth is stored without loss, time stamps from zero on.\n\n"
+      "Ctrl-C ends the recording and keeps what is there; of a live source, killing it leaves a file that replays, "
+      "too. "
+      "Beside a\nrunning daemon record its feed: it has the sensor. Depth is stored without loss, time stamps from "
+      "zero on.\n\n"
       "Example:\n"
-      "  armature record fakenect:dump visitor.oni --seconds 20");
+      "  armature record fakenect:dump visitor.oni --seconds 20\n"
+      "  armature record feed:ipc:///run/armature/nav visitor.oni");
   command->callback([arguments, &run] { run = [arguments] { return record(*arguments); }; });
 }
 

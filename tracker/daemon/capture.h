@@ -26,6 +26,11 @@ class Capture {
   [[nodiscard]] const std::optional<Error>& failure() const noexcept { return failure_; }
 
   [[nodiscard]] const SourceInfo& info() const noexcept { return source_->info(); }
+  /// Only of sources that take it from any thread: those that are read by a process of their own.
+  void show(StatusLight light) {
+    if (lossless_ || source_->info().live) source_->show(light);
+  }
+  [[nodiscard]] SourceHealth health() const { return source_->health(); }
   [[nodiscard]] std::uint64_t dropped() const noexcept { return latest_.dropped(); }
 
  private:

@@ -1,29 +1,26 @@
 #include "tracker/daemon/daemon.h"
 
 #include <fstream>
-#include <thread>
 
-#include <armature/navproto/control.h>
-#include <armature/navproto/publisher.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "tracker/daemon/capture.h"
-#include "tracker/daemon/feed_thread.h"
-#include "tracker/daemon/latency.h"
+#include "tracker/daemon/daemon_state.h"
+#include "tracker/daemon/security.h"
 #include "tracker/daemon/wire.h"
-#include "tracker/installation.h"
 #include "tracker/synth/open_source.h"
 
 namespace armature {
 namespace {
 
 using namespace std::chrono_literals;
-namespace wire = navproto;
 
-/// A source that has been silent for so long is said to be lost: sooner than subscribers stop by themselves.
-constexpr std::chrono::nanoseconds kSilence = 200ms;
+/// A live source that has been silent for so long is said to be lost: with a cycle of the loop on top, sooner than
+/// subscribers stop by themselves. A slow sensor gets two and a half of its frames.
+constexpr std::chrono::nanoseconds kSilence = 150ms;
+constexpr std::chrono::nanoseconds kLongestSilence = 200ms;
 constexpr std::chrono::nanoseconds kHealthInterval = 1s;
+constexpr auto kCycle = 40ms;
 constexpr auto kVersion = ARMATURE_VERSION;
 
 std::uint64_t resident_bytes() {
@@ -32,110 +29,81 @@ std::uint64_t resident_bytes() {
   return resident_pages * 4096;
 }
 
-Expected<std::shared_ptr<const Forest>> load_model(const Config& config) {
-  auto forest = Forest::load(config.model.empty() ? installed_model() : std::filesystem::path(config.model));
-  if (!forest) return tl::unexpected(forest.error());
-  return std::make_shared<const Forest>(std::move(*forest));
+std::chrono::nanoseconds silence_of(const SourceInfo& info) {
+  const auto frames =
+      std::chrono::nanoseconds(static_cast<std::int64_t>(2.5e9 / std::max(1.0, info.frames_per_second)));
+  return std::clamp<std::chrono::nanoseconds>(frames, kSilence, kLongestSilence);
 }
 
-Expected<void> write_file(const std::filesystem::path& path, const std::string& text) {
-  auto temporary = path;
-  temporary += ".new";
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  out << text << std::flush;
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (out && !error) return {};
-  std::filesystem::remove(temporary, error);
-  return fail(path.string() + ": cannot be written; the old file is as it was");
+template <class T>
+Expected<T> as_ours(navproto::Expected<T>&& result) {
+  if (!result) return fail(result.error().message);
+  return *std::move(result);
 }
 
 }  // namespace
 
-struct Daemon::State {
-  State(DaemonOptions all, std::shared_ptr<const Forest> model, std::unique_ptr<DepthSource> source,
-        wire::Publisher out, wire::ControlServer server, std::unique_ptr<FeedThread> feed_thread)
-      : options(std::move(all)),
-        config(options.config),
-        forest(std::move(model)),
-        pipeline(std::make_unique<Pipeline>(forest, config.tracker, options.clock)),
-        publisher(std::move(out)),
-        control(std::move(server)),
-        feed(std::move(feed_thread)),
-        capture(std::move(source), config.lossless),
-        started(options.clock->now()) {
-    pipeline->reset(capture.info().intrinsics);
-  }
-
-  void track(const DepthFrame& frame);
-  void serve_between_frames();
-  void stop_camera(wire::StopReason reason);
-  void notice_silence();
-  void publish_health();
-  [[nodiscard]] wire::HealthMessage health() const;
-  void say(wire::EventKind kind, const std::string& text);
-  void say(wire::EventMessage message);
-  Expected<void> reload();
-  Expected<void> save() const;
-  wire::ControlReply answer(const wire::ControlRequest& request);
-
-  DaemonOptions options;
-  Config config;
-  std::shared_ptr<const Forest> forest;
-  std::unique_ptr<Pipeline> pipeline;
-  wire::Publisher publisher;
-  wire::ControlServer control;
-  std::unique_ptr<FeedThread> feed;
-  Capture capture;
-
-  wire::NavigationMessage navigation;
-  wire::SkeletonMessage skeleton;
-  Latency latency;
-  std::chrono::nanoseconds started{0}, last_frame{0}, last_health{0};
-  std::uint64_t processed = 0, processed_at_last_health = 0;
-  float frames_per_second = 0;
-  bool silent = false;
-  bool rest_requested = false;
-};
-
 Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   const Config& config = options.config;
-  if (config.source.empty()) return fail("no source: name one with --source URI or source.uri in the configuration");
+  if (config.source.empty() && !options.source)
+    return fail("no source: name one with --source URI or source.uri in the configuration");
+  const auto door = door_of(config);
+  if (!door) return tl::unexpected(door.error());
+  const auto control_at = control_endpoint(config);
+  if (!control_at) return tl::unexpected(control_at.error());
+  auto uids = control_uids(config);
+  if (!uids) return tl::unexpected(uids.error());
   auto model = load_model(config);
   if (!model) return tl::unexpected(model.error());
-  auto source = open_source(config.source,
-                            {.pacing = config.lossless ? Pacing::Lossless : Pacing::RealTime, .clock = options.clock});
+  auto source = options.source
+                    ? Expected<std::unique_ptr<DepthSource>>(std::move(options.source))
+                    : open_source(config.source, {.pacing = config.lossless ? Pacing::Lossless : Pacing::RealTime,
+                                                  .clock = options.clock,
+                                                  .wait_for_device = 0ms});
   if (!source) return tl::unexpected(source.error());
   const auto clock = options.clock;
-  auto publisher = wire::Publisher::bind(config.endpoint, {.now = [clock] { return clock->now(); }});
-  if (!publisher) return fail(publisher.error().message);
-  auto control = wire::ControlServer::bind(config.endpoint);
-  if (!control) return fail(control.error().message);
-  auto feed = FeedThread::start(config.endpoint);
+  auto publisher =
+      as_ours(wire::Publisher::bind(config.endpoint, {.now = [clock] { return clock->now(); }, .curve = *door}));
+  if (!publisher) return tl::unexpected(publisher.error());
+  auto control = as_ours(wire::ControlServer::bind(*control_at, {.allowed_uids = std::move(*uids)}));
+  if (!control) return tl::unexpected(control.error());
+  auto feed = FeedThread::start(config.endpoint, *door);
   if (!feed) return tl::unexpected(feed.error());
-  return std::unique_ptr<Daemon>(
-      new Daemon(std::make_unique<State>(std::move(options), std::move(*model), std::move(*source),
-                                         std::move(*publisher), std::move(*control), std::move(*feed))));
+  if (config.endpoint.starts_with("tcp:") && !*door) {
+    spdlog::warn("{} is insecure, as configured: everybody on the network may listen", config.endpoint);
+  }
+  const int port = config.metrics_port;
+  auto state = std::make_unique<State>(std::move(options), std::move(*model), std::move(*source), std::move(*publisher),
+                                       std::move(*control), std::move(*feed));
+  if (port != 0) {
+    auto server = MetricsServer::start(port, [s = state.get()] { return prometheus_text(s->metrics, kVersion); });
+    if (!server) return tl::unexpected(server.error());
+    state->metrics_server = std::move(*server);
+  }
+  return std::unique_ptr<Daemon>(new Daemon(std::move(state)));
 }
 
 Daemon::Daemon(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Daemon::~Daemon() = default;
 
+const Metrics& Daemon::metrics() const noexcept {
+  return state_->metrics;
+}
+
 Expected<void> Daemon::run(const std::stop_token& stop) {
   State& s = *state_;
   s.say(wire::EventKind::Started, fmt::format("armatured {} reads {}", kVersion, s.config.source));
   s.last_frame = s.options.clock->now();
+  s.stop_camera(wire::StopReason::NoUser);  // the first thing anybody hears
+  s.service.ready("running");
+  s.capture.show(StatusLight::Ready);
   while (!stop.stop_requested()) {
     if (reload_requested_.exchange(false, std::memory_order_relaxed)) (void)s.reload();
-    if (const DepthFrame* frame = s.capture.next(50ms)) {
-      s.track(*frame);
-    } else if (s.capture.finished()) {
-      break;
-    } else {
-      s.notice_silence();
-    }
-    s.serve_between_frames();
+    s.cycle();
+    if (s.capture.finished()) break;
   }
+  s.service.stopping();
+  s.capture.show(StatusLight::Off);
 
   if (stop.stop_requested()) {
     s.stop_camera(wire::StopReason::Exit);
@@ -154,12 +122,21 @@ Expected<void> Daemon::run(const std::stop_token& stop) {
 
 void Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
+  if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
+    metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
+    stop_camera(wire::StopReason::SourceFailed);
+    say(wire::EventKind::Warning, fmt::format("{}: {}; the camera is stopped", config.source, complaint));
+    last_frame = options.clock->now();
+    return;
+  }
   const TrackerOutput& output = pipeline->process(frame.view());
   fill_message(navigation, output, pipeline->navigation_options().pair);
   if (rest_requested && output.state == EngagementState::Calibrating) {
     navigation.stop_reason = wire::StopReason::RestRequested;
   }
-  if (!publisher.publish_navigation(navigation)) {
+  const bool sent = publisher.publish_navigation(navigation);
+  if (sent && options.published) options.published(navigation);
+  if (!sent) {
     spdlog::error("frame {}: its message contradicts itself and was not published; the camera is stopped",
                   output.sequence);
     stop_camera(wire::StopReason::SourceFailed);
@@ -167,6 +144,10 @@ void Daemon::State::track(const DepthFrame& frame) {
   last_frame = options.clock->now();
   latency.add(last_frame - received);
   ++processed;
+  metrics.frames.fetch_add(1, std::memory_order_relaxed);
+  metrics.latency.add(last_frame - received);
+  for (std::size_t stage = 0; stage < kStageCount; ++stage) metrics.stage[stage].add(output.stage_time[stage]);
+  note_state(output.state);
 
   fill_message(skeleton, output);
   publisher.publish_skeleton(skeleton);
@@ -179,6 +160,52 @@ void Daemon::State::track(const DepthFrame& frame) {
     silent = false;
     say(wire::EventKind::SourceRecovered, "frames come again");
   }
+  metrics.source_alive.store(true, std::memory_order_relaxed);
+}
+
+void Daemon::State::note_state(EngagementState state) {
+  if (state == EngagementState::Engaged && last_state == EngagementState::Calibrating) {
+    metrics.engaged.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (last_state == EngagementState::Lost && state < EngagementState::Engaged) {
+    metrics.released.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (state != last_state) {
+    capture.show(state == EngagementState::Engaged       ? StatusLight::Engaged
+                 : state == EngagementState::Calibrating ? StatusLight::Calibrating
+                                                         : StatusLight::Ready);
+  }
+  last_state = state;
+  metrics.engagement.store(static_cast<int>(state), std::memory_order_relaxed);
+}
+
+void Daemon::State::cycle() {
+  const DepthFrame* frame = capture.next(kCycle);
+  if (frame != nullptr) track(*frame);
+  watch_source(frame != nullptr);
+  serve_between_frames();
+  service.cycle_done(options.clock->now());
+}
+
+void Daemon::State::watch_source(bool frame_came) {
+  const SourceHealth source = capture.health();
+  metrics.restarts.store(source.restarts, std::memory_order_relaxed);
+  metrics.dropped.store(capture.dropped(), std::memory_order_relaxed);
+  if (source.bad_frames != torn_on_the_way) {
+    metrics.bad_frames.fetch_add(source.bad_frames - torn_on_the_way, std::memory_order_relaxed);
+    torn_on_the_way = source.bad_frames;
+    stop_camera(wire::StopReason::SourceFailed);
+  }
+  if (frame_came || silent) return;
+  if (source.trouble.empty() && options.clock->now() - last_frame < silence_of(capture.info())) return;
+  silent = true;
+  guard.start_over();
+  metrics.source_alive.store(false, std::memory_order_relaxed);
+  metrics.stops.fetch_add(1, std::memory_order_relaxed);
+  stop_camera(wire::StopReason::SourceFailed);
+  say(wire::EventKind::SourceLost, source.trouble.empty() ? fmt::format("{} has sent no frame for {} ms", config.source,
+                                                                        (options.clock->now() - last_frame) / 1ms)
+                                                          : source.trouble);
 }
 
 void Daemon::State::serve_between_frames() {
@@ -189,14 +216,7 @@ void Daemon::State::serve_between_frames() {
 
 void Daemon::State::stop_camera(wire::StopReason reason) {
   fill_stop(navigation, reason);
-  publisher.publish_navigation(navigation);
-}
-
-void Daemon::State::notice_silence() {
-  if (silent || options.clock->now() - last_frame < kSilence) return;
-  silent = true;
-  stop_camera(wire::StopReason::SourceFailed);
-  say(wire::EventKind::SourceLost, fmt::format("{} has sent no frame for {} ms", config.source, kSilence / 1ms));
+  if (publisher.publish_navigation(navigation) && options.published) options.published(navigation);
 }
 
 wire::HealthMessage Daemon::State::health() const {
@@ -225,6 +245,9 @@ void Daemon::State::publish_health() {
                         std::chrono::duration<float>(now - last_health).count();
   }
   last_health = now;
+  metrics.resident_bytes.store(resident_bytes(), std::memory_order_relaxed);
+  metrics.strangers.store(publisher.counters().strangers + feed->strangers(), std::memory_order_relaxed);
+  metrics.control_refused.store(control.refused(), std::memory_order_relaxed);
   processed_at_last_health = processed;
   auto message = health();
   publisher.publish_health(message);
@@ -239,78 +262,16 @@ void Daemon::State::say(wire::EventKind kind, const std::string& text) {
 
 void Daemon::State::say(wire::EventMessage message) {
   message.time = options.clock->now();
-  spdlog::info("{}: {}", name(message.kind), message.text);
+  std::uint64_t held_back = 0;
+  if (log_limit.admit(static_cast<std::size_t>(message.kind), message.time, held_back)) {
+    const auto level = message.kind == wire::EventKind::SourceLost || message.kind == wire::EventKind::ConfigRejected ||
+                               message.kind == wire::EventKind::Warning
+                           ? spdlog::level::warn
+                           : spdlog::level::info;
+    spdlog::log(level, "{}: {}{}", name(message.kind), message.text,
+                held_back > 0 ? fmt::format(" ({} of these were not logged)", held_back) : "");
+  }
   publisher.publish_event(message);
-}
-
-Expected<void> Daemon::State::reload() {
-  if (options.config_file.empty()) return fail("started without --config: there is nothing to reload");
-  auto read = load_config(options.config_file);
-  if (!read) {
-    say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");
-    return tl::unexpected(read.error());
-  }
-  options.override_config(*read);
-  stop_camera(wire::StopReason::Reload);
-  if (read->model != config.model) {
-    auto model = load_model(*read);
-    if (!model) {
-      say(wire::EventKind::ConfigRejected, model.error().message + "; the configuration stays as it is");
-      return tl::unexpected(model.error());
-    }
-    forest = std::move(*model);
-  }
-  std::string note = options.config_file.string() + " is in force; whoever steers stands still for a new rest pose";
-  if (read->source != config.source || read->endpoint != config.endpoint || read->lossless != config.lossless) {
-    note += "; source, lossless and endpoint change only with a restart";
-    read->source = config.source;
-    read->endpoint = config.endpoint;
-    read->lossless = config.lossless;
-  }
-  config = std::move(*read);
-  pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
-  pipeline->reset(capture.info().intrinsics);
-  say(wire::EventKind::ConfigReloaded, note);
-  return {};
-}
-
-Expected<void> Daemon::State::save() const {
-  if (options.config_file.empty()) return fail("started without --config: there is no file to save to");
-  return write_file(options.config_file, print_config(config));
-}
-
-wire::ControlReply Daemon::State::answer(const wire::ControlRequest& request) {
-  Expected<void> done;
-  switch (request.kind) {
-    case wire::RequestKind::Status: break;
-    case wire::RequestKind::Rerest:
-      pipeline->capture_rest();
-      rest_requested = true;
-      stop_camera(wire::StopReason::RestRequested);
-      break;
-    case wire::RequestKind::Set: {
-      auto now = changed(pipeline->navigation_options(), request.settings);
-      if (!now) {
-        done = tl::unexpected(now.error());
-      } else {
-        pipeline->set_navigation(*now);
-        config.tracker.navigation = *now;
-      }
-      break;
-    }
-    case wire::RequestKind::Save:
-      done = save();
-      if (done) say(wire::EventKind::ConfigSaved, options.config_file.string());
-      break;
-    case wire::RequestKind::Reload: done = reload(); break;
-  }
-  wire::ControlReply reply;
-  if (!done) reply.error = done.error().message;
-  reply.engagement = navigation.engagement;
-  reply.user_id = navigation.user_id;
-  reply.settings = settings_of(pipeline->navigation_options());
-  reply.health = health();
-  return reply;
 }
 
 }  // namespace armature

@@ -7,9 +7,13 @@
 #include <stop_token>
 #include <string>
 
+#include <armature/navproto/messages.h>
+
 #include "firmware_host/clock.h"
+#include "firmware_host/depth_source.h"
 #include "firmware_host/error.h"
 #include "tracker/config.h"
+#include "tracker/daemon/metrics.h"
 
 namespace armature {
 
@@ -20,6 +24,10 @@ struct DaemonOptions {
   /// What the command line set on top of the file; set again after a reload.
   std::function<void(Config&)> override_config = [](Config&) {};
   std::shared_ptr<Clock> clock = std::make_shared<SteadyClock>();
+  /// Instead of what config.source names; for simulations.
+  std::unique_ptr<DepthSource> source{};
+  /// Hears every navigation message that was handed to the socket, on the daemon's thread; for simulations.
+  std::function<void(const navproto::NavigationMessage&)> published{};
 };
 
 /// One sensor in, one navigation stream out: reads frames on a thread of its own (newest wins, except where the source
@@ -37,6 +45,9 @@ class Daemon {
 
   /// Runs until the stream ends or `stop` is asked for, which both are success. Blocks. Call once.
   [[nodiscard]] Expected<void> run(const std::stop_token& stop);
+
+  /// Counters, for whoever asks. Any thread.
+  [[nodiscard]] const Metrics& metrics() const noexcept;
 
   /// Reads the configuration again before the next frame. Any thread; safe in a signal handler.
   void request_reload() noexcept { reload_requested_.store(true, std::memory_order_relaxed); }

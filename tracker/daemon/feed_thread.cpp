@@ -8,8 +8,9 @@ namespace armature {
 
 using namespace std::chrono_literals;
 
-Expected<std::unique_ptr<FeedThread>> FeedThread::start(std::string_view endpoint) {
-  auto publisher = navproto::FeedPublisher::bind(endpoint);
+Expected<std::unique_ptr<FeedThread>> FeedThread::start(std::string_view endpoint,
+                                                        const std::optional<navproto::CurveServer>& door) {
+  auto publisher = navproto::FeedPublisher::bind(endpoint, {.curve = door});
   if (!publisher) return fail(publisher.error().message);
   return std::unique_ptr<FeedThread>(new FeedThread(std::move(*publisher)));
 }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <thread>
@@ -19,8 +20,12 @@ namespace armature {
 /// Compresses and sends depth and user mask on a thread of its own, newest frame first, while somebody subscribes.
 class FeedThread {
  public:
-  [[nodiscard]] static Expected<std::unique_ptr<FeedThread>> start(std::string_view endpoint);
+  [[nodiscard]] static Expected<std::unique_ptr<FeedThread>> start(
+      std::string_view endpoint, const std::optional<navproto::CurveServer>& door = {});
   ~FeedThread();
+
+  /// Peers sent away because of their keys.
+  [[nodiscard]] std::uint64_t strangers() const noexcept { return publisher_.strangers(); }
 
   /// Hands a frame over where somebody wants it; costs one copy then, and a look at a flag otherwise. For the tracking
   /// thread. Realtime-safe: yes, after the first frame.

@@ -34,6 +34,7 @@ void fill_times(wire::FrameTimes& times, const TrackerOutput& output) noexcept {
 wire::Engagement wire_engagement(EngagementState state) noexcept {
   switch (state) {
     case EngagementState::Absent: return wire::Engagement::NoUser;
+    case EngagementState::Waiting: return wire::Engagement::Detected;
     case EngagementState::Calibrating: return wire::Engagement::CapturingRest;
     case EngagementState::Engaged: return wire::Engagement::Engaged;
     case EngagementState::Lost: return wire::Engagement::Suspended;
@@ -45,7 +46,7 @@ wire::StopReason wire_stop(StopReason reason) noexcept {
   switch (reason) {
     case StopReason::None: return wire::StopReason::None;
     case StopReason::NoUser: return wire::StopReason::NoUser;
-    case StopReason::Calibrating: return wire::StopReason::NotEngaged;
+    case StopReason::NotEngaged: return wire::StopReason::NotEngaged;
     case StopReason::TrackingLost: return wire::StopReason::TrackingLost;
     case StopReason::TooNoisy: return wire::StopReason::TooNoisy;
   }
@@ -109,6 +110,8 @@ wire::EventMessage event_message(const TrackerEvent& event, const Navigation& na
     case TrackerEventKind::UserLeft: return say(wire::EventKind::UserLeft, fmt::format("user {} left", event.user));
     case TrackerEventKind::RestCaptured: return say(wire::EventKind::RestCaptured, "rest pose captured");
     case TrackerEventKind::Engaged: return say(wire::EventKind::Engaged, fmt::format("user {} steers", event.user));
+    case TrackerEventKind::Released:
+      return say(wire::EventKind::Disengaged, fmt::format("user {} steers no more; anybody may be next", event.user));
     case TrackerEventKind::TrackingLost:
       return say(wire::EventKind::TrackingLost, fmt::format("user {} cannot be tracked", event.user));
     case TrackerEventKind::TrackingRegained:

@@ -1,14 +1,23 @@
 #include "tracker/daemon/daemon.h"
 
+#include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <thread>
 
 #include <armature/navproto/control.h>
 #include <armature/navproto/feed.h>
 #include <armature/navproto/subscriber.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/support/temporary_directory.h"
+#include "tracker/daemon/frame_guard.h"
+#include "tracker/daemon/log_limit.h"
+#include "tracker/daemon/metrics.h"
 
 namespace armature {
 namespace {
@@ -137,6 +146,152 @@ TEST_F(DaemonTest, FeedsDepthAndMaskToWhoAsksForThem) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->intrinsics.width, 160);
   EXPECT_EQ(frame->depth_mm.size(), 160U * 120);
+}
+
+TEST_F(DaemonTest, PublishesAZeroWhenItsCaptureProcessDiesAndGoesOnWhenItIsBack) {
+  // A Kinect's dump, as a sensor: read by a process of its own.
+  const auto dump = directory_.path() / "dump";
+  std::filesystem::create_directory(dump);
+  std::ofstream index(dump / "INDEX.txt");
+  for (int i = 0; i < 300; ++i) {
+    const std::string name = "d-" + std::to_string(1000 + i / 30.0) + "-1.pgm";
+    index << name << "\n";
+    std::ofstream image(dump / name, std::ios::binary);
+    image << "P5 640 480 65535\n" << std::string(640 * 480 * 2, i % 2 == 0 ? '\x05' : '\x06');
+  }
+  index.close();
+  struct Heard {
+    std::chrono::nanoseconds at;
+    navproto::StopReason reason;
+  };
+  std::mutex mutex;
+  std::vector<Heard> heard;
+  auto options = options_for("process:fakenect:" + dump.string());
+  options.published = [&](const navproto::NavigationMessage& message) {
+    const std::lock_guard lock(mutex);
+    heard.push_back({std::chrono::steady_clock::now().time_since_epoch(), message.stop_reason});
+  };
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  std::stop_source stop;
+  std::thread thread([&] { EXPECT_TRUE((*daemon)->run(stop.get_token())); });
+  EXPECT_TRUE(eventually([&] { return (*daemon)->metrics().frames.load() > 5; }));
+
+  // The only child of this process is the one that captures.
+  pid_t child = -1;
+  std::ifstream("/proc/self/task/" + std::to_string(::getpid()) + "/children") >> child;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream(task.path() / "children") >> child;
+    if (child > 0) break;
+  }
+  ASSERT_GT(child, 0);
+  const auto killed = std::chrono::steady_clock::now().time_since_epoch();
+  ::kill(child, SIGKILL);
+  const auto after = [&](navproto::StopReason reason) {
+    const std::lock_guard lock(mutex);
+    for (const Heard& h : heard) {
+      if (h.at >= killed && h.reason == reason) return h.at - killed;
+    }
+    return std::chrono::nanoseconds(-1);
+  };
+  EXPECT_TRUE(eventually([&] { return after(navproto::StopReason::SourceFailed) >= 0ns; }));
+  RecordProperty("zero_after_us", static_cast<int>(after(navproto::StopReason::SourceFailed) / 1us));
+  std::printf("zero %.1f ms after the kill\n",
+              static_cast<double>(after(navproto::StopReason::SourceFailed) / 1us) / 1000);
+  const auto frames = (*daemon)->metrics().frames.load();
+  EXPECT_TRUE(eventually([&] { return (*daemon)->metrics().frames.load() > frames + 3; }));
+  EXPECT_EQ((*daemon)->metrics().restarts.load(), 1U);
+  stop.request_stop();
+  thread.join();
+}
+
+TEST_F(DaemonTest, StartsWithoutItsSensorAndSaysSo) {
+  auto daemon = Daemon::create(options_for("process:fakenect:" + (directory_.path() / "nothing").string()));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  navproto::NavSubscriber nav(endpoint_);
+  std::stop_source stop;
+  std::thread thread([&] { EXPECT_TRUE((*daemon)->run(stop.get_token())); });
+  EXPECT_TRUE(eventually(
+      [&] { return nav.navigation() && nav.navigation()->stop_reason == navproto::StopReason::SourceFailed; }));
+  stop.request_stop();
+  thread.join();
+}
+
+TEST_F(DaemonTest, ATcpEndpointNeedsKeysOrAnExplicitWord) {
+  auto options = options_for("synth:stand?size=160x120");
+  options.config.endpoint = "tcp://127.0.0.1:24710";
+  options.config.control = endpoint_;
+  EXPECT_FALSE(Daemon::create(std::move(options)));
+  auto insecure = options_for("synth:stand?size=160x120");
+  insecure.config.endpoint = "tcp://127.0.0.1:24710";
+  insecure.config.control = endpoint_;
+  insecure.config.insecure = true;
+  const auto daemon = Daemon::create(std::move(insecure));
+  EXPECT_TRUE(daemon) << daemon.error().message;
+}
+
+TEST_F(DaemonTest, TellsPrometheusOnLoopback) {
+  auto server = MetricsServer::start(0, [] { return prometheus_text(Metrics{}, "1.2.3"); });
+  ASSERT_TRUE(server) << server.error().message;
+  const auto ask = [&](const std::string& request) {
+    const int client = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>((*server)->port()));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    (void)::send(client, request.data(), request.size(), 0);
+    std::string reply(65536, '\0');
+    std::size_t size = 0;
+    for (ssize_t got = 1; got > 0 && size < reply.size(); size += static_cast<std::size_t>(std::max<ssize_t>(got, 0))) {
+      got = ::recv(client, reply.data() + size, reply.size() - size, 0);
+    }
+    ::close(client);
+    return reply.substr(0, size);
+  };
+  const std::string reply = ask("GET /metrics HTTP/1.1\r\n\r\n");
+  EXPECT_TRUE(reply.starts_with("HTTP/1.1 200 OK")) << reply;
+  EXPECT_NE(reply.find("armature_info{version=\"1.2.3\"} 1\n"), std::string::npos);
+  EXPECT_NE(reply.find("armature_stage_seconds_bucket{stage=\"forest\",le=\"+Inf\"} 0\n"), std::string::npos);
+  EXPECT_TRUE(ask("nonsense").starts_with("HTTP/1.1 404"));
+  EXPECT_TRUE(ask("GET /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 200 OK"));
+}
+
+TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
+  FrameGuard guard;
+  DepthFrame frame;
+  frame.intrinsics = {64, 48, 60, 60, 32, 24};
+  frame.depth_mm.assign(64 * 48, 2000);
+  const auto next = [&](std::chrono::nanoseconds by_sensor = 33ms) {
+    frame.sensor.time += by_sensor;
+    frame.host.time += 33ms;
+    const char* complaint = guard.complaint(frame.view());
+    return std::string(complaint == nullptr ? "" : complaint);
+  };
+  EXPECT_EQ(next(), "");
+  EXPECT_EQ(next(), "");
+  EXPECT_EQ(next(1h), "a jump of the sensor's clock");
+  EXPECT_EQ(next(-1h + 66ms), "") << "and back";
+  EXPECT_EQ(next(-1s), "a jump of the sensor's clock");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(next(), "a jump of the sensor's clock");
+  EXPECT_EQ(next(), "") << "the new normal";
+  EXPECT_EQ(next(), "");
+  std::fill(frame.depth_mm.begin() + 64 * 16, frame.depth_mm.end(), std::uint16_t{0});
+  EXPECT_EQ(next(), "a torn frame");
+  frame.depth_mm.assign(64 * 48, 2000);
+  for (std::size_t i = 0; i < frame.depth_mm.size(); i += 3) frame.depth_mm[i] = 50000;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a garbage frame") << "never normal";
+  frame.depth_mm.assign(64 * 47, 2000);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a torn frame") << "never normal";
+}
+
+TEST(LogLimit, LetsABurstThroughAndThenOneAPeriod) {
+  LogLimit limit;
+  std::uint64_t held_back = 0;
+  int written = 0;
+  for (int i = 0; i < 10'000; ++i) written += limit.admit(3, 100s + i * 10ms, held_back) ? 1 : 0;
+  EXPECT_EQ(written, 10 + 9);
+  EXPECT_TRUE(limit.admit(4, 100s, held_back)) << "another kind";
 }
 
 TEST_F(DaemonTest, RefusesAnEndpointInUseAndAMissingSourceInOneLine) {

@@ -9,6 +9,8 @@ void add_bench(CLI::App& app, Run& run) {
   add_bench_deform(*bench, run);
   add_bench_decimate(*bench, run);
   add_bench_select(*bench, run);
+  add_bench_idle(*bench, run);
+  add_bench_soak(*bench, run);
   add_bench_spheremesh(*bench, run);
   add_bench_steering(*bench, run);
   add_bench_tracker(*bench, run);

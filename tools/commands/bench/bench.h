@@ -9,6 +9,8 @@ void add_bench_collapse(CLI::App& bench, Run& run);
 void add_bench_deform(CLI::App& bench, Run& run);
 void add_bench_decimate(CLI::App& bench, Run& run);
 void add_bench_select(CLI::App& bench, Run& run);
+void add_bench_idle(CLI::App& bench, Run& run);
+void add_bench_soak(CLI::App& bench, Run& run);
 void add_bench_spheremesh(CLI::App& bench, Run& run);
 void add_bench_steering(CLI::App& bench, Run& run);
 void add_bench_tracker(CLI::App& bench, Run& run);

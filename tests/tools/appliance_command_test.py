@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""The subcommands that look after an appliance, as an operator calls them. usage: appliance_command_test.py BUILD"""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+BUILD = Path(sys.argv.pop(1)).resolve()
+ARMATURE = BUILD / "bin" / "armature"
+ARMATURED = BUILD / "bin" / "armatured"
+
+
+def run(*words):
+    return subprocess.run([ARMATURE, *map(str, words)], capture_output=True, text=True, timeout=60)
+
+
+class Keys(unittest.TestCase):
+    def test_are_made_allowed_and_listed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            key, allow = Path(folder, "kiosk.key"), Path(folder, "allow")
+            made = run("keys", "new", key, "--json")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            public = json.loads(made.stdout)["public"]
+            self.assertEqual(len(public), 40)
+            self.assertEqual(os.stat(key).st_mode & 0o777, 0o600)
+            self.assertEqual(run("keys", "new", key).returncode, 1, "an identity is never replaced")
+            self.assertEqual(run("keys", "allow", allow, "--", public, "wall").returncode, 0)
+            self.assertEqual(run("keys", "allow", allow, "--", public, "again").returncode, 1)
+            listed = run("keys", "list", allow, "--json")
+            self.assertEqual(json.loads(listed.stdout), {"public": public, "name": "wall"})
+            allow.write_text("nonsense\n")
+            wrong = run("keys", "list", allow)
+            self.assertEqual(wrong.returncode, 1)
+            self.assertIn(f"{allow}:1:", wrong.stderr)
+
+
+class Devices(unittest.TestCase):
+    def test_prints_one_object_a_sensor(self):
+        listed = run("devices", "--json")
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        for line in listed.stdout.splitlines():
+            self.assertEqual(set(json.loads(line)), {"name", "serial", "uri", "where", "problem"})
+
+
+class Doctor(unittest.TestCase):
+    def test_names_line_and_remedy_of_a_bad_configuration(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text("[engagement]\nfar_m = 'far'\n")
+            found = run("doctor", "--config", config, "--json")
+            self.assertEqual(found.returncode, 1)
+            findings = [json.loads(line) for line in found.stdout.splitlines()]
+            bad = [f for f in findings if f["what"] == "config"]
+            self.assertIn(f"{config}:2: engagement.far_m", bad[0]["found"])
+            self.assertTrue(bad[0]["remedy"])
+
+    def test_looks_at_a_site(self):
+        found = run("doctor", "--site", "synth:walk_in?size=320x240&seed=3", "--seconds", "1.5", "--json")
+        findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
+        self.assertEqual(findings["stand"]["kind"], "ok", findings)
+        self.assertIn("zone", findings)
+
+
+class Status(unittest.TestCase):
+    def test_asks_a_running_daemon_which_takes_sighup_and_ends_with_sigterm(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text("[navigation]\nmax_walk_m_s = 1.0\n")
+            endpoint = f"ipc://{folder}/nav"
+            self.assertEqual(run("status", endpoint, "--timeout", "0.2").returncode, 1, "nobody is there yet")
+            daemon = subprocess.Popen([ARMATURED, "--config", config, "--source", "synth:stand?size=160x120", "--endpoint",
+                                       endpoint], stderr=subprocess.PIPE, text=True)
+            try:
+                asked = None
+                for _ in range(100):
+                    asked = run("status", endpoint, "--json")
+                    if asked.returncode == 0:
+                        break
+                    time.sleep(0.1)
+                status = json.loads(asked.stdout)
+                self.assertEqual(status["source"], "synth:stand?size=160x120")
+                config.write_text("[navigation]\nmax_walk_m_s = 'fast'\n")
+                refused = run("status", endpoint, "--request", "reload")
+                self.assertEqual(refused.returncode, 1)
+                self.assertIn(":2: navigation.max_walk_m_s", refused.stderr)
+                daemon.send_signal(signal.SIGHUP)
+                config.write_text("[navigation]\nmax_walk_m_s = 2.0\n")
+                self.assertEqual(run("status", endpoint, "--request", "reload").returncode, 0)
+            finally:
+                daemon.terminate()
+                log = daemon.communicate(timeout=30)[1]
+            self.assertEqual(daemon.returncode, 0, log)
+            self.assertIn("config_rejected", log)
+            self.assertIn("config_reloaded", log)
+
+
+class Record(unittest.TestCase):
+    def test_beside_a_daemon_and_killed_leaves_a_file_that_replays(self):
+        with tempfile.TemporaryDirectory() as folder:
+            endpoint, out = f"ipc://{folder}/nav", Path(folder, "visitor.oni")
+            daemon = subprocess.Popen([ARMATURED, "--source", "synth:stand?size=160x120", "--endpoint", endpoint, "--quiet"])
+            try:
+                recorder = subprocess.Popen([ARMATURE, "record", f"feed:{endpoint}", out], stderr=subprocess.DEVNULL)
+                for _ in range(200):
+                    if out.exists() and out.stat().st_size > 300_000:
+                        break
+                    time.sleep(0.1)
+                recorder.send_signal(signal.SIGKILL)
+                recorder.wait()
+            finally:
+                daemon.terminate()
+                daemon.wait()
+            again = run("record", f"oni:{out}", Path(folder, "again.oni"), "--json")
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertGreater(json.loads(again.stdout)["frames"], 10)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""What armatured tells systemd, and that its unit and package hold. usage: service_test.py BUILD SOURCE"""
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+SOURCE = Path(sys.argv.pop(2)).resolve()
+BUILD = Path(sys.argv.pop(1)).resolve()
+MOST_EXPOSURE = 2.0
+
+
+class Notify(unittest.TestCase):
+    def test_says_ready_feeds_the_watchdog_without_a_sensor_and_says_stopping(self):
+        with tempfile.TemporaryDirectory() as folder:
+            listener = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+            self.addCleanup(listener.close)
+            listener.bind(f"{folder}/notify")
+            listener.settimeout(20)
+            environment = dict(os.environ, NOTIFY_SOCKET=f"{folder}/notify", WATCHDOG_USEC="800000")
+            daemon = subprocess.Popen(
+                [BUILD / "bin" / "armatured", "--source", f"process:fakenect:{folder}/nothing", "--endpoint",
+                 f"ipc://{folder}/nav", "--quiet"], env=environment)
+            try:
+                heard = listener.recv(4096).decode()
+                self.assertIn("READY=1", heard)
+                for _ in range(3):
+                    self.assertEqual(listener.recv(4096).decode(), "WATCHDOG=1")
+            finally:
+                daemon.terminate()
+                self.assertEqual(daemon.wait(timeout=20), 0)
+            heard = listener.recv(4096).decode()
+            while heard == "WATCHDOG=1":
+                heard = listener.recv(4096).decode()
+            self.assertIn("STOPPING=1", heard)
+
+
+class Unit(unittest.TestCase):
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze is missing")
+    def test_is_hardened(self):
+        unit = SOURCE / "tracker" / "daemon" / "armatured.service"
+        told = subprocess.run(["systemd-analyze", "security", "--offline=yes", "--no-pager", unit], capture_output=True,
+                              text=True, env=dict(os.environ, LC_ALL="C.UTF-8"))
+        exposure = re.search(r"exposure level for \S+: ([\d.]+)", told.stdout)
+        if exposure is None:
+            self.skipTest("this systemd-analyze does not look at units offline")
+        self.assertLessEqual(float(exposure[1]), MOST_EXPOSURE)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,34 @@
+# What `cpack` makes: a Debian package of the appliance and the command.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME armature)
+set(CPACK_PACKAGE_VENDOR "Armature")
+set(CPACK_PACKAGE_CONTACT "Armature <armature@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "systemd, udev")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+  "${PROJECT_SOURCE_DIR}/tools/packaging/postinst"
+  "${PROJECT_SOURCE_DIR}/tools/packaging/prerm"
+  "${PROJECT_SOURCE_DIR}/tools/packaging/postrm"
+  "${PROJECT_BINARY_DIR}/conffiles")
+file(WRITE "${PROJECT_BINARY_DIR}/conffiles" "/etc/armature/armatured.toml\n")
+include(CPack)
+
+set(daemon "${PROJECT_SOURCE_DIR}/tracker/daemon")
+install(FILES "${daemon}/armatured.service" DESTINATION lib/systemd/system)
+install(FILES "${daemon}/60-armature.rules" DESTINATION lib/udev/rules.d)
+install(FILES "${daemon}/armature.sysusers" DESTINATION lib/sysusers.d RENAME armature.conf)
+install(FILES "${daemon}/armature.tmpfiles" DESTINATION lib/tmpfiles.d RENAME armature.conf)
+install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${PROJECT_SOURCE_DIR}/LICENSE"
+  DESTINATION share/doc/armature)
+# dpkg keeps what the site has changed. An installation by hand has it under its prefix.
+install(FILES "${daemon}/armatured.toml" DESTINATION share/armature)
+install(CODE "
+  if(\"\${CMAKE_INSTALL_PREFIX}\" STREQUAL \"/usr\")
+    file(INSTALL DESTINATION \"/etc/armature\" TYPE FILE FILES \"${daemon}/armatured.toml\")
+  endif()")

@@ -1,0 +1,118 @@
+#include <fstream>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "tracker/daemon/daemon_state.h"
+#include "tracker/daemon/security.h"
+#include "tracker/daemon/wire.h"
+#include "tracker/installation.h"
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+Expected<void> write_file(const std::filesystem::path& path, const std::string& text) {
+  auto temporary = path;
+  temporary += ".new";
+  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+  out << text << std::flush;
+  std::error_code error;
+  if (out) std::filesystem::rename(temporary, path, error);
+  if (out && !error) return {};
+  std::filesystem::remove(temporary, error);
+  return fail(path.string() + ": cannot be written; the old file is as it was");
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const Forest>> load_model(const Config& config) {
+  auto forest = Forest::load(config.model.empty() ? installed_model() : std::filesystem::path(config.model));
+  if (!forest) return tl::unexpected(forest.error());
+  return std::make_shared<const Forest>(std::move(*forest));
+}
+
+Expected<void> Daemon::State::reload() {
+  if (options.config_file.empty()) return fail("started without --config: there is nothing to reload");
+  service.reloading();
+  auto read = load_config(options.config_file);
+  // What is refused at the start is refused here: who may connect, and who may change something.
+  if (read) {
+    if (const auto uids = control_uids(*read); !uids) read = tl::unexpected(uids.error());
+  }
+  service.ready("running");
+  if (!read) {
+    metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
+    say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");
+    return tl::unexpected(read.error());
+  }
+  options.override_config(*read);
+  if (read->model != config.model) {
+    auto model = load_model(*read);
+    if (!model) {
+      metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
+      say(wire::EventKind::ConfigRejected, model.error().message + "; the configuration stays as it is");
+      return tl::unexpected(model.error());
+    }
+    forest = std::move(*model);
+  }
+  stop_camera(wire::StopReason::Reload);
+  std::string note = options.config_file.string() + " is in force; whoever steers stands still for a new rest pose";
+  const auto keep = [&](auto Config::*field) {
+    const bool same = *read.*field == config.*field;
+    *read.*field = config.*field;
+    return same;
+  };
+  bool same = keep(&Config::source) & keep(&Config::lossless) & keep(&Config::endpoint) & keep(&Config::keys);
+  same = same & keep(&Config::allow) & keep(&Config::insecure) & keep(&Config::control);
+  same = same & keep(&Config::control_uids) & keep(&Config::metrics_port);
+  if (!same) note += "; source, publish, control and health change only with a restart";
+  config = std::move(*read);
+  pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
+  pipeline->reset(capture.info().intrinsics);
+  metrics.reloads.fetch_add(1, std::memory_order_relaxed);
+  say(wire::EventKind::ConfigReloaded, note);
+  return {};
+}
+
+Expected<void> Daemon::State::save() const {
+  if (options.config_file.empty()) return fail("started without --config: there is no file to save to");
+  return write_file(options.config_file, print_config(config));
+}
+
+wire::ControlReply Daemon::State::answer(const wire::ControlRequest& request) {
+  Expected<void> done;
+  switch (request.kind) {
+    case wire::RequestKind::Status: break;
+    case wire::RequestKind::Rerest:
+      pipeline->capture_rest();
+      rest_requested = true;
+      stop_camera(wire::StopReason::RestRequested);
+      break;
+    case wire::RequestKind::Set: {
+      auto now = changed(pipeline->navigation_options(), request.settings);
+      if (!now) {
+        done = tl::unexpected(now.error());
+      } else {
+        pipeline->set_navigation(*now);
+        config.tracker.navigation = *now;
+      }
+      break;
+    }
+    case wire::RequestKind::Save:
+      done = save();
+      if (done) say(wire::EventKind::ConfigSaved, options.config_file.string());
+      break;
+    case wire::RequestKind::Reload: done = reload(); break;
+  }
+  wire::ControlReply reply;
+  if (!done) reply.error = done.error().message;
+  reply.engagement = navigation.engagement;
+  reply.user_id = navigation.user_id;
+  reply.settings = settings_of(pipeline->navigation_options());
+  reply.health = health();
+  return reply;
+}
+
+}  // namespace armature

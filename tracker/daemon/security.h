@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <armature/navproto/keys.h>
+
+#include "tracker/config.h"
+
+namespace armature {
+
+/// Whom the endpoint lets in. ipc: nothing to say (the file's mode does). tcp: our keys and the allow list, or nothing
+/// where the configuration says that it is insecure; anything else is refused.
+[[nodiscard]] Expected<std::optional<navproto::CurveServer>> door_of(const Config& config);
+
+/// Beside which endpoint the control socket stands: always one of this machine.
+[[nodiscard]] Expected<std::string> control_endpoint(const Config& config);
+
+/// control.uids as numbers.
+[[nodiscard]] Expected<std::vector<std::uint32_t>> control_uids(const Config& config);
+
+}  // namespace armature
