@@ -73,6 +73,16 @@ class Viewer(unittest.TestCase):
     def test_selections(self):
         self.script("select.txt")
 
+    def test_poses_and_sessions_that_are_played_again(self):
+        self.script("pose.txt")
+        first = self.facts((self.folder / "session.txt").read_text().splitlines())
+        self.assertEqual(first["spheres"], "12")
+        self.assertEqual(first["steps"], "2")
+        self.assertGreater(float(first["highest.y"]), 6)
+        again = self.facts((self.folder / "session.txt").read_text().splitlines())
+        for fact in ("spheres", "steps", "lowest.x", "highest.x", "highest.y", "highest.z", "camera.distance"):
+            self.assertEqual(first[fact], again[fact])
+
     def test_walking_by_hand(self):
         self.script("hands.txt")
 

@@ -34,7 +34,7 @@ sdk::Expected<std::unique_ptr<App>> App::create(Session& session, float scale) {
   return std::unique_ptr<App>(new App(session, scale, std::move(*painter)));
 }
 
-/// A small window shows the view alone; there the sidebar waits behind a button.
+/// A small window shows the view alone.
 void App::lay_out(int width, int height) {
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   const float sidebar = ui_.px(kSidebar);
@@ -42,6 +42,12 @@ void App::lay_out(int width, int height) {
   const float status = h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
   ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
+  ui_.beside = {};
+  if (session_.mode == Mode::Shapes && session_.other() != nullptr) {
+    const float half = std::round(ui_.view.size.x / 2);
+    ui_.beside = {{ui_.view.at.x + half, 0}, {ui_.view.size.x - half, ui_.view.size.y}};
+    ui_.view.size.x = half;
+  }
   session_.aspect = static_cast<double>(ui_.view.size.x / ui_.view.size.y);
 }
 
@@ -85,6 +91,21 @@ void App::update_depth() {
   ui_.depth_aspect = static_cast<float>(width) / static_cast<float>(std::max(1, height));
 }
 
+/// Paints a model where it is to be in the window.
+sdk::Expected<void> App::draw_view(ViewPainter& painter, const std::shared_ptr<const Model>& model, const Area& area,
+                                   int height, GLuint framebuffer, bool careful) {
+  const int wide = static_cast<int>(area.size.x), high = static_cast<int>(area.size.y);
+  if (auto painted = painter.paint(session_, model, wide, high, careful); !painted) return painted;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, painter.picture());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  const int left = static_cast<int>(area.at.x);
+  // OpenGL counts rows from below: the status bar is under the view.
+  const int below = height - high;
+  glDisable(GL_SCISSOR_TEST);
+  glBlitFramebuffer(0, 0, wide, high, left, below, left + wide, below + high, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  return {};
+}
+
 sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool careful) {
   ImGui::NewFrame();
   lay_out(width, height);
@@ -94,21 +115,28 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   draw_view_hints(ui_);
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
+  if (ui_.beside.size.x > 0) {
+    const ImVec2 at(ui_.beside.at.x + ui_.px(14), ui_.px(12));
+    ImGui::GetBackgroundDrawList()->AddText(at, theme::kInk, session_.other()->name.c_str());
+    ImGui::GetBackgroundDrawList()->AddText({ui_.view.at.x + ui_.px(14), at.y}, theme::kInk,
+                                            session_.models[session_.active_model]->name.c_str());
+  }
   if (ui_.view.size.y < h) draw_status_bar(ui_, {{0, ui_.view.size.y}, {w, h - ui_.view.size.y}});
   if (ui_.log) draw_log(ui_);
   if (ui_.dialog) draw_file_dialog(ui_);
   ImGui::Render();
 
-  const int view_width = static_cast<int>(ui_.view.size.x), view_height = static_cast<int>(ui_.view.size.y);
-  if (auto painted = painter_.paint(session_, view_width, view_height, careful); !painted) return painted;
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, painter_.picture());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  const int left = static_cast<int>(ui_.view.at.x);
-  // OpenGL counts rows from below: the status bar is under the view.
-  const int below = height - view_height;
-  glDisable(GL_SCISSOR_TEST);
-  glBlitFramebuffer(0, 0, view_width, view_height, left, below, left + view_width, below + view_height,
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  const auto active = session_.models.empty() ? nullptr : session_.models[session_.active_model];
+  if (auto drawn = draw_view(painter_, active, ui_.view, height, framebuffer, careful); !drawn) return drawn;
+  if (ui_.beside.size.x > 0) {
+    if (!beside_) {
+      auto made = ViewPainter::create();
+      if (!made) return tl::unexpected(made.error());
+      beside_.emplace(std::move(*made));
+    }
+    const auto& other = session_.models[session_.beside - 1];
+    if (auto drawn = draw_view(*beside_, other, ui_.beside, height, framebuffer, careful); !drawn) return drawn;
+  }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -118,7 +146,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
 }
 
 bool App::calm() const noexcept {
-  return !painter_.rough() && session_.mode == Mode::Shapes && !session_.busy();
+  return !painter_.rough() && !(beside_ && beside_->rough()) && session_.mode == Mode::Shapes && !session_.busy();
 }
 
 }  // namespace armature::viewer

@@ -29,10 +29,13 @@ class App {
   App(Session& session, float scale, ViewPainter painter);
   void lay_out(int width, int height);
   void update_depth();
+  [[nodiscard]] sdk::Expected<void> draw_view(ViewPainter& painter, const std::shared_ptr<const Model>& model,
+                                              const Area& area, int height, GLuint framebuffer, bool careful);
 
   Session& session_;
   Ui ui_;
   ViewPainter painter_;
+  std::optional<ViewPainter> beside_;  // once it was wanted
   GlTexture depth_;
   std::shared_ptr<const navproto::FeedMessage> shown_depth_;
 };

@@ -71,7 +71,7 @@ void end_tool_drag(Ui& ui) {
     }
     issue_camera(ui, session.camera);  // what a loop holds depends on it
     ui.issue("lasso{}", words);
-  } else {
+  } else if (session.tool != Tool::Pose) {
     std::size_t count = 0;
     const std::string words = stroke_on_surface(ui, count);
     if (count == 0) {
@@ -93,6 +93,7 @@ void handle_mouse(Ui& ui) {
   const bool over = ui.view.holds(io.MousePos) && !io.WantCaptureMouse;
   const bool walks = session.mode == Mode::Walk;
   const bool looks = io.KeyAlt || session.tool == Tool::Look;
+  if (drag == Drag::None && handle_gizmo(ui, over)) return;
   if (drag == Drag::None && over) {
     for (const int pressed : {0, 1, 2}) {
       if (!io.MouseClicked[pressed]) continue;
@@ -170,9 +171,10 @@ void handle_keys(Ui& ui) {
     return;
   }
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && ui.session.job.running()) ui.issue("cancel");
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab), false)) ui.sidebar = !ui.sidebar;
   if (ui.session.mode == Mode::Walk) return;
   if (ImGui::IsKeyPressed('F', false) && !ui.session.models.empty()) ui.issue("fit");
-  for (int i = 0; i < static_cast<int>(kTools.size()); ++i)
+  for (int i = 0; i < 5; ++i)
     if (ImGui::IsKeyPressed('1' + i, false)) ui.issue("tool {}", kTools[static_cast<std::size_t>(i)]);
 }
 

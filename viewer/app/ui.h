@@ -25,10 +25,11 @@ struct Ui {
   Session& session;
   float scale = 1;              ///< pixels a unit of layout
   Area view = {};               ///< where the shapes or the city are
+  Area beside = {};             ///< where another model is shown beside; empty if none is
   ImTextureID depth = nullptr;  ///< the depth picture, once there is one
   float depth_aspect = 1;
 
-  bool sidebar = true;              ///< as the user wants it; a small window has none
+  bool sidebar = true;              ///< Tab hides it; a small window has none
   bool dialog = false;              ///< the file dialog is open
   bool saving = false;              ///< to write instead of to open
   bool log = false;                 ///< the list of commands is open
@@ -47,6 +48,7 @@ struct Ui {
 void draw_sidebar(Ui& ui);
 void draw_shape_panel(Ui& ui);
 void draw_select_panel(Ui& ui);
+void draw_pose_panel(Ui& ui);
 void draw_walk_panel(Ui& ui);
 void draw_walk_overlay(Ui& ui);
 void draw_status_bar(Ui& ui, const Area& area);
@@ -57,6 +59,10 @@ void draw_log(Ui& ui);
 
 /// Turns what the mouse and the keys do in the view into commands.
 void handle_input(Ui& ui);
+
+/// Shows what is held of a posed shape and lets the mouse move it; whether the mouse is taken by it. `over`: the mouse
+/// is over the view.
+bool handle_gizmo(Ui& ui, bool over);
 
 ///@{
 /// Small things that panels are made of.

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "viewer/session/maps.h"
+#include "viewer/session/posing.h"
 
 namespace armature::viewer {
 namespace {
@@ -42,11 +43,8 @@ void ViewPainter::show(const Kept& kept) {
   shows_.push_back(kept.made);
 }
 
-void ViewPainter::gather_shapes(const Session& session) {
-  if (session.models.empty()) return;
-  const std::shared_ptr<const Model> held = session.models[session.active_model];
+void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held) {
   const Model& model = *held;
-  const Looks& looks = session.looks;
   const sdk::Sphere frame = model.around();
   if (model.mesh && looks.mesh != MeshLook::Off) {
     const Key key{held, model.mesh_revision, static_cast<int>(looks.mesh), static_cast<int>(looks.map),
@@ -54,10 +52,11 @@ void ViewPainter::gather_shapes(const Session& session) {
     if (mesh_.key != key || !mesh_.drawing) {
       Scene scene(frame, kShapes);
       const auto colours = corner_colours(model, looks.map, kShapes.mesh);
-      scene.add(model.mesh->mesh, {.layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
-                                   .wireframe = looks.wireframe,
-                                   .normals = model.mesh->normals,
-                                   .colours = colours});
+      MeshStyle style{.layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
+                      .wireframe = looks.wireframe,
+                      .colours = colours};
+      if (!model.posing) style.normals = model.mesh->normals;
+      scene.add(model.posing ? model.posing->mesh() : model.mesh->mesh, style);
       keep(mesh_, key, scene);
     }
     show(mesh_);
@@ -95,7 +94,8 @@ void ViewPainter::gather_city(const Walk& walk) {
   show(ribbon_);
 }
 
-sdk::Expected<void> ViewPainter::paint(const Session& session, int width, int height, bool careful) {
+sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared_ptr<const Model>& model, int width,
+                                       int height, bool careful) {
   drawings_.clear();
   shows_.clear();
   const double aspect = static_cast<double>(width) / height;
@@ -103,13 +103,14 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, int width, int he
   if (walks) {
     gather_city(session.walk);
   } else {
-    gather_shapes(session);
+    if (model) gather_shapes(session.looks, model);
   }
   if (drawings_.empty()) {
     if (!nothing_.drawing) keep(nothing_, {}, Scene({Eigen::Vector3d::Zero(), 1}, kShapes));
     show(nothing_);
   }
-  const Camera camera = walks ? session.walk.camera(aspect) : session.camera.camera(session.around(), aspect);
+  const Camera camera =
+      walks ? session.walk.camera(aspect) : session.camera.camera(model ? model->around() : session.around(), aspect);
   const Eigen::Matrix4d view = camera.view_from_world.matrix();
   shows_.insert(shows_.end(), view.data(), view.data() + 16);
   shows_.insert(shows_.end(),

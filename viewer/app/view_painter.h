@@ -17,7 +17,13 @@ class ViewPainter {
 
   /// Paints the view again where it has changed. While it moves, as carefully as leaves it fluent; `careful`: always
   /// with all care. The picture is in `picture()`.
-  [[nodiscard]] sdk::Expected<void> paint(const Session& session, int width, int height, bool careful);
+  [[nodiscard]] sdk::Expected<void> paint(const Session& session, int width, int height, bool careful) {
+    return paint(session, session.models.empty() ? nullptr : session.models[session.active_model], width, height,
+                 careful);
+  }
+  /// The same of another model, or of none.
+  [[nodiscard]] sdk::Expected<void> paint(const Session& session, const std::shared_ptr<const Model>& model, int width,
+                                          int height, bool careful);
   /// The framebuffer that holds it.
   [[nodiscard]] GLuint picture() const noexcept { return painter_.framebuffer(); }
   /// Whether the picture is rougher than it could be and should be painted again soon.
@@ -41,7 +47,7 @@ class ViewPainter {
   explicit ViewPainter(Painter painter) : painter_(std::move(painter)) {}
   void keep(Kept& kept, Key key, const Scene& scene);
   void show(const Kept& kept);
-  void gather_shapes(const Session& session);
+  void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held);
   void gather_city(const Walk& walk);
 
   Painter painter_;

@@ -10,6 +10,7 @@
 
 #include "viewer/render/scene.h"
 #include "viewer/render/shading.h"
+#include "viewer/session/posing.h"
 
 namespace armature::viewer {
 namespace {
@@ -81,6 +82,11 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   spheres->hierarchy = std::move(hierarchy);
   spheres->shape = spheres->cursor->sphere_mesh();
   ++spheres_revision;
+}
+
+void Model::take_pose() {
+  set_refined(posing->shape());
+  ++mesh_revision;
 }
 
 sdk::Sphere Model::around() const {

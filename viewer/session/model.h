@@ -55,6 +55,8 @@ struct Selecting {
   std::shared_ptr<sdk::ComponentIndex> components;  ///< made with the first click
 };
 
+class Posing;
+
 /// Something that is open: a mesh, a sphere-mesh, or both of the same shape.
 struct Model {
   std::string name;
@@ -62,7 +64,9 @@ struct Model {
   std::shared_ptr<const MeshShape> mesh;
   std::optional<SphereShape> spheres;
   Selecting selecting;
-  std::vector<float> values;  ///< of a map, by vertex, in [0, 1]; or empty
+  std::shared_ptr<Posing> posing;     ///< while the mesh is being deformed
+  std::vector<sdk::SphereId> handle;  ///< what is held of its level
+  std::vector<float> values;          ///< of a map, by vertex, in [0, 1]; or empty
   /// Changes with what is drawn of each.
   std::uint64_t mesh_revision = 1, spheres_revision = 1;
 
@@ -73,6 +77,8 @@ struct Model {
   /// Replaces the level that is shown; the hierarchy stays, and its next level comes from there.
   void set_refined(sdk::SphereMesh shape);
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
+  /// Shows spheres and mesh as they are posed.
+  void take_pose();
   /// A sphere that holds all of it.
   [[nodiscard]] sdk::Sphere around() const;
   /// For picking; there must be spheres.

@@ -1,8 +1,10 @@
 // What a session is like, as facts by name.
 #include <numbers>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "viewer/session/posing.h"
 #include "viewer/session/session.h"
 
 namespace armature::viewer {
@@ -24,6 +26,16 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     if (const auto& errors = model.spheres->errors) {
       facts["hausdorff_percent"] = fmt::format("{:.4f}", errors->hausdorff);
       facts["mean_percent"] = fmt::format("{:.4f}", errors->mean_input_to_approximation);
+    }
+  }
+  if (model.posing) {
+    facts["held"] = std::to_string(model.handle.size());
+    facts["steps"] = std::to_string(model.posing->steps());
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& position : model.posing->mesh().positions) box.extend(position);
+    for (const auto& [name, place] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
+      facts[fmt::format("lowest.{}", name)] = fmt::format("{:.5f}", box.min()[place]);
+      facts[fmt::format("highest.{}", name)] = fmt::format("{:.5f}", box.max()[place]);
     }
   }
   const Selecting& selecting = model.selecting;

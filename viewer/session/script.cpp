@@ -27,6 +27,7 @@ sdk::Expected<void> Script::step(Session& session) {
   };
   while (!session.busy() && !session.picture && !session.quit) {
     if (session.failed) return failure(session.notice);
+    session.waiting = nullptr;  // what was waited for has come
     if (next_ == lines_.size()) return {};
     const std::string& line = lines_[next_++];
     constexpr std::string_view kTry = "try ";

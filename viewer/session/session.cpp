@@ -22,6 +22,12 @@ bool replaces_itself(std::string_view name) {
   return name == "camera" || name == "level" || name == "matches" || name == "brush-size" || name == "place";
 }
 
+/// Waiting and expecting are no actions: the log leaves them out.
+bool is_about_scripts(const Command& command) {
+  const auto commands = script_commands();
+  return &command >= commands.data() && &command < commands.data() + commands.size();
+}
+
 std::string_view first_word(std::string_view line) {
   return line.substr(0, line.find(' '));
 }
@@ -60,6 +66,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
     pending_line_ = line_;
     return {};
   }
+  if (is_about_scripts(*command)) return {};
   if (!log_.empty() && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
   log_.push_back(line_);
   return {};
@@ -98,7 +105,7 @@ void Session::measure_level() {
   static_cast<void>(measuring_.poll());
   if (models.empty()) return;
   const std::shared_ptr<Model>& model = models[active_model];
-  if (!model->mesh || !model->spheres || model->spheres->shape.spheres.empty()) return;
+  if (!model->mesh || model->posing || !model->spheres || model->spheres->shape.spheres.empty()) return;
   if (model->spheres_revision != measured_revision_) {
     measured_revision_ = model->spheres_revision;
     level_since_ = now;
@@ -149,6 +156,10 @@ void Session::add(std::shared_ptr<Model> model) {
 sdk::Sphere Session::around() const {
   if (models.empty()) return {Eigen::Vector3d::Zero(), 1};
   return models[active_model]->around();
+}
+
+Model* Session::other() const {
+  return beside == 0 || beside > models.size() || beside - 1 == active_model ? nullptr : models[beside - 1].get();
 }
 
 std::optional<Picked> Session::pick(const ViewPoint& at) {

@@ -20,7 +20,7 @@
 namespace armature::viewer {
 
 enum class Mode : std::uint8_t { Shapes, Walk };
-enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso };
+enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso, Pose };
 enum class MeshLook : std::uint8_t { Solid, Glass, Off };
 enum class SpheresLook : std::uint8_t { Surface, Structure, Off };
 enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Components };
@@ -28,7 +28,7 @@ enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Com
 ///@{
 /// How scripts spell them, in the order of the enumerations.
 inline const std::vector<std::string_view> kModes = {"shapes", "walk"};
-inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso"};
+inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "pose"};
 inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
 inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
 inline const std::vector<std::string_view> kMaps = {"none", "curvature", "protrusion", "similarity", "components"};
@@ -87,6 +87,8 @@ class Session {
   void add(std::shared_ptr<Model> model);
   /// A sphere around the models that are shown.
   [[nodiscard]] sdk::Sphere around() const;
+  /// The model that is shown beside the active one, or none.
+  [[nodiscard]] Model* other() const;
   /// What is seen at a place of the view, if anything is.
   [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at);
   /// Facts by name, for scripts to print and to expect.
@@ -94,6 +96,7 @@ class Session {
 
   std::vector<std::shared_ptr<Model>> models;
   std::size_t active_model = 0;
+  std::size_t beside = 0;  ///< the number of a model that is shown beside it, from 1; 0: none
   Mode mode = Mode::Shapes;
   Tool tool = Tool::Look;
   Looks looks;

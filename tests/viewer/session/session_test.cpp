@@ -39,7 +39,7 @@ TEST(Lines, AreRefusedWithWhatWasExpected) {
     return done ? std::string("carried out") : done.error().message;
   };
   EXPECT_EQ(refused("fly"), "fly is no command; `help` lists them");
-  EXPECT_EQ(refused("tool hammer"), "tool: tool: expected one of look, click, cut, brush, lasso, found hammer");
+  EXPECT_EQ(refused("tool hammer"), "tool: tool: expected one of look, click, cut, brush, lasso, pose, found hammer");
   EXPECT_EQ(refused("camera 0 far"), "camera: elevation in degrees: expected a number from -89 to 89, found far");
   EXPECT_EQ(refused("camera 0 nan"), "camera: elevation in degrees: expected a number from -89 to 89, found nan");
   EXPECT_EQ(refused("fit now"), "fit: expected nothing more, found now");
@@ -57,8 +57,8 @@ TEST(Lines, OfACameraThatMovesCountOnce) {
 }
 
 TEST(Commands, HaveOneMeaningEach) {
-  for (const auto group :
-       {file_commands(), view_commands(), sphere_commands(), select_commands(), walk_commands(), script_commands()})
+  for (const auto group : {file_commands(), view_commands(), sphere_commands(), select_commands(), pose_commands(),
+                           walk_commands(), script_commands()})
     for (const Command& command : group) EXPECT_EQ(find_command(command.name), &command) << command.name;
 }
 
@@ -108,7 +108,7 @@ TEST(OrbitCamera, SeesAPointWhereItsRayGoes) {
   OrbitCamera camera;
   camera.orbit(0.4, 0.3);
   camera.target = {1, 2, 3};
-  for (const ViewPoint at : {ViewPoint(0, 0), ViewPoint(0.7, -0.4), ViewPoint(-1.5, 0.9)}) {
+  for (const ViewPoint& at : {ViewPoint(0, 0), ViewPoint(0.7, -0.4), ViewPoint(-1.5, 0.9)}) {
     const sdk::Ray ray = camera.ray(at);
     EXPECT_LT((camera.project(ray.origin + 2.5 * ray.direction) - at).norm(), 1e-12);
   }

@@ -12,6 +12,7 @@ void draw_tools(Ui& ui) {
   Session& session = ui.session;
   const int tool = choice_row("tool", static_cast<int>(session.tool), {"Look", "Click", "Cut", "Brush", "Lasso"});
   if (tool >= 0) ui.issue("tool {}", kTools[static_cast<std::size_t>(tool)]);
+  if (session.tool == Tool::Pose) return;
   if (session.tool == Tool::Look) {
     hint("The mouse moves the camera. Choose a tool to select; with Alt the mouse moves the camera then, too.");
     return;
@@ -83,7 +84,9 @@ void draw_select_panel(Ui& ui) {
   Selecting& selecting = session.models[session.active_model]->selecting;
   section("Select");
   draw_tools(ui);
-  if (session.tool == Tool::Look && selecting.selection.faces().empty() && selecting.reference.empty()) return;
+  if ((session.tool == Tool::Look || session.tool == Tool::Pose) && selecting.selection.faces().empty() &&
+      selecting.reference.empty())
+    return;
   ImGui::BeginDisabled(session.job.running());
   if (ImGui::Button("Undo")) ui.issue("undo");
   ImGui::SameLine();

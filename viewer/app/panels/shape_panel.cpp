@@ -41,20 +41,24 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
-void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh) {
+void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   if (spheres.hierarchy) {
     // A level is a number of spheres; half of the slider is for the first few hundred.
     const auto least = static_cast<int>(spheres.hierarchy->min_spheres());
     const auto most = static_cast<int>(spheres.hierarchy->leaf_count());
-    int level = static_cast<int>(spheres.cursor->size());
+    // Of a posed mesh a level takes a while: it changes once the slider is let go.
+    static int wanted = 0;
+    static bool sliding = false;
+    if (!sliding) wanted = static_cast<int>(posed ? spheres.shape.spheres.size() : spheres.cursor->size());
     ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderInt("##level", &level, least, most, "%d spheres",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
-      ui.issue("level {}", level);
+    const bool moved = ImGui::SliderInt("##level", &wanted, least, most, "%d spheres",
+                                        ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    sliding = ImGui::IsItemActive();
+    if (posed ? ImGui::IsItemDeactivatedAfterEdit() : moved) ui.issue("level {}", wanted);
   }
   ImGui::TextDisabled("%zu spheres, %zu edges, %zu triangles", spheres.shape.spheres.size(), spheres.shape.edges.size(),
                       spheres.shape.triangles.size());
-  if (!has_mesh) return;
+  if (!has_mesh || posed) return;
   if (spheres.errors) {
     ImGui::Text("Error: mean %.2f %%, largest %.2f %%", spheres.errors->mean_input_to_approximation,
                 spheres.errors->hausdorff);
@@ -75,7 +79,7 @@ void draw_shape_panel(Ui& ui) {
   section("Spheres");
   const bool busy = session.job.running();
   ImGui::BeginDisabled(busy);
-  if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr);
+  if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr, model.posing != nullptr);
   if (model.mesh && (!model.spheres || !model.spheres->hierarchy)) {
     if (accent_button("Abstract to spheres", -1)) ui.issue("build");
     if (!model.spheres) hint("Makes every level at once, from a sphere a vertex to a single one.");

@@ -22,6 +22,11 @@ void draw_models(Ui& ui) {
   if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
   ImGui::SameLine();
   if (ImGui::Button("Close")) ui.issue("close");
+  if (session.models.size() > 1) {
+    bool beside = session.other() != nullptr;
+    if (ImGui::Checkbox("Side by side", &beside))
+      ui.issue("beside {}", !beside ? 0 : session.active_model > 0 ? session.active_model : 2);
+  }
   for (std::size_t i = 0; i < session.models.size(); ++i) {
     const Model& model = *session.models[i];
     ImGui::PushID(static_cast<int>(i));
@@ -52,6 +57,7 @@ void draw_sidebar(Ui& ui) {
       draw_shape_panel(ui);
       if (session.models.size() > session.active_model && session.models[session.active_model]->mesh)
         draw_select_panel(ui);
+      if (const Model& model = *session.models[session.active_model]; model.mesh && model.spheres) draw_pose_panel(ui);
     }
   }
   ImGui::Dummy({0, ui.px(8)});
@@ -71,6 +77,8 @@ void draw_log(Ui& ui) {
     for (const std::string& line : ui.session.log()) text += line + '\n';
     ImGui::SetClipboardText(text.c_str());
   }
+  ImGui::SameLine();
+  if (ImGui::SmallButton("Save to session.txt")) ui.issue("save-session session.txt");
   ImGui::BeginChild("lines");
   for (const std::string& line : ui.session.log()) ImGui::TextUnformatted(line.c_str());
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
@@ -106,11 +114,13 @@ void draw_status_bar(Ui& ui, const Area& area) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
     if (ImGui::IsItemClicked()) session.notice.clear();
   } else {
-    static constexpr std::array<const char*, 5> kHints = {
-        "Drag to turn, right-drag to move, wheel to zoom.", "Click on a component. Alt moves the camera.",
+    static constexpr std::array<const char*, 6> kHints = {
+        "Drag to turn, right-drag to move, wheel to zoom.",
+        "Click on a component. Alt moves the camera.",
         "Draw along the cut; Shift draws on at the same cut. Alt moves the camera.",
         "Brush over the patch; Shift adds to it, Ctrl takes away. The wheel changes the brush. Alt moves the camera.",
-        "Draw a loop around what you want. Alt moves the camera."};
+        "Draw a loop around what you want. Alt moves the camera.",
+        "Click what you want to move, then drag its handles. Alt moves the camera."};
     ImGui::AlignTextToFramePadding();
     hint(session.mode == Mode::Walk ? "W A S D or arrow keys walk, or drag in the view."
                                     : kHints[static_cast<std::size_t>(session.tool)]);

@@ -1,5 +1,6 @@
 // Opening, choosing, closing and writing models.
 #include <array>
+#include <fstream>
 
 #include "viewer/session/command.h"
 #include "viewer/session/session.h"
@@ -24,6 +25,7 @@ Done close(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active(); !model) return tl::unexpected(model.error());
   session.models.erase(session.models.begin() + static_cast<std::ptrdiff_t>(session.active_model));
+  session.beside = 0;
   session.active_model = session.active_model == 0 ? 0 : session.active_model - 1;
   session.picked.reset();
   if (!session.models.empty()) session.camera.fit(session.around(), session.aspect);
@@ -40,6 +42,26 @@ Done model(Session& session, Arguments& arguments) {
   return {};
 }
 
+Done beside(Session& session, Arguments& arguments) {
+  if (auto any = session.active(); !any) return tl::unexpected(any.error());
+  const std::size_t place = arguments.count("model", 0, session.models.size());
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.beside = place;
+  return {};
+}
+
+/// The lines so far, to be played again by --script.
+Done save_session(Session& session, Arguments& arguments) {
+  const std::string file = arguments.word("file");
+  if (auto checked = arguments.check(); !checked) return checked;
+  std::ofstream out(file);
+  for (const std::string& line : session.log()) out << line << '\n';
+  out.close();
+  if (!out) return sdk::fail(file + ": cannot be written");
+  session.tell("wrote " + file);
+  return {};
+}
+
 Done save(Session& session, Arguments& arguments) {
   const std::string file = arguments.word("file");
   const bool spheres = arguments.left() > 0 && arguments.choice("what", {"mesh", "spheres"}) == 1;
@@ -52,6 +74,8 @@ Done save(Session& session, Arguments& arguments) {
 }
 
 constexpr std::array kCommands = {
+    Command{"beside", "N", "show the N-th model beside this one, seen alike; 0: none", beside, true},
+    Command{"save-session", "FILE", "write all commands so far, to be played by --script FILE", save_session, true},
     Command{"open", "FILE", "open a mesh, a sphere-mesh (.ma, .ply) or a hierarchy (.smh)", open},
     Command{"close", "", "close the model that is shown", close},
     Command{"model", "N", "show the N-th of the models that are open", model},

@@ -8,6 +8,7 @@
 #include <armature/sdk/selection/lasso.h>
 
 #include "viewer/session/command.h"
+#include "viewer/session/posing.h"
 #include "viewer/session/session.h"
 
 namespace armature::viewer {
@@ -278,11 +279,17 @@ Done clear(Session& session, Arguments& arguments) {
   return {};
 }
 
-template <bool (sdk::Selection::*Step)()>
+template <bool (sdk::Selection::*Step)(), bool (Posing::*PoseStep)()>
 Done step(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = session.active_mesh();
   if (!model) return tl::unexpected(model.error());
+  if ((*model)->posing && session.tool == Tool::Pose) {
+    if (!((*model)->posing.get()->*PoseStep)()) return sdk::fail("there is nothing left to go to");
+    (*model)->handle.clear();
+    (*model)->take_pose();
+    return {};
+  }
   if (!((*model)->selecting.selection.*Step)()) return sdk::fail("there is nothing left to go to");
   forget_reference(**model);
   return {};
@@ -318,8 +325,8 @@ constexpr std::array kCommands = {
     Command{"reconsider", "", "take back the last accept or reject", reconsider},
     Command{"take", "", "select the matches that are shown", take},
     Command{"clear", "", "select nothing", clear},
-    Command{"undo", "", "take back the last step of selecting", step<&sdk::Selection::undo>},
-    Command{"redo", "", "do it again", step<&sdk::Selection::redo>},
+    Command{"undo", "", "take back the last step of selecting or posing", step<&sdk::Selection::undo, &Posing::undo>},
+    Command{"redo", "", "do it again", step<&sdk::Selection::redo, &Posing::redo>},
 };
 
 }  // namespace

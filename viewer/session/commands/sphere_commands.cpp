@@ -1,4 +1,5 @@
 // Sphere-meshes: hierarchies, levels, refinement, extraction.
+#include <algorithm>
 #include <array>
 
 #include <armature/sdk/hierarchy/build.h>
@@ -6,6 +7,7 @@
 #include <armature/sdk/spheremesh/refine.h>
 
 #include "viewer/session/command.h"
+#include "viewer/session/posing.h"
 #include "viewer/session/session.h"
 
 namespace armature::viewer {
@@ -40,14 +42,31 @@ Done level(Session& session, Arguments& arguments) {
   const sdk::Hierarchy& hierarchy = *(*model)->spheres->hierarchy;
   const std::size_t spheres = arguments.count("spheres", hierarchy.min_spheres(), hierarchy.leaf_count());
   if (auto checked = arguments.check(); !checked) return checked;
+  if ((*model)->posing) {
+    session.start(
+        "changing the level",
+        [spheres, model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+          if (auto gone = model->posing->go_to(spheres); !gone) return tl::unexpected(gone.error());
+          return Job::Apply([model] {
+            model->handle.clear();
+            model->take_pose();
+          });
+        });
+    return {};
+  }
   (*model)->go_to(spheres);
+  if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy)
+    other->go_to(
+        std::clamp(spheres, other->spheres->hierarchy->min_spheres(), other->spheres->hierarchy->leaf_count()));
   return {};
 }
 
 Done refine(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
-  if (auto model = session.active_spheres(); !model) return tl::unexpected(model.error());
+  const auto active = session.active_spheres();
+  if (!active) return tl::unexpected(active.error());
+  if ((*active)->posing) return sdk::fail("put the mesh back before refining: `unpose`");
   session.start(
       "refining the sphere-mesh",
       [model = session.models[session.active_model], shape = session.models[session.active_model]->spheres->shape](

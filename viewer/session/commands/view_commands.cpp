@@ -126,8 +126,8 @@ Done pick(Session& session, Arguments& arguments) {
 
 constexpr std::array kCommands = {
     Command{"mode", "shapes|walk", "look at shapes, or walk through the city", mode, true},
-    Command{"tool", "look|click|cut|brush|lasso", "what the mouse does; holding Alt it always moves the camera", tool,
-            true},
+    Command{"tool", "look|click|cut|brush|lasso|pose", "what the mouse does; holding Alt it always moves the camera",
+            tool, true},
     Command{"camera", "AZIMUTH ELEVATION [DISTANCE X Y Z]", "degrees; and the point it turns about", camera, true},
     Command{"fit", "", "see all of the model", fit, true},
     Command{"up", "x|y|z|-x|-y|-z", "which direction of the model is up", up, true},

@@ -1,0 +1,196 @@
+// What the mouse and the keys do in the view, without a window: ImGui is told where they are.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "viewer/app/ui.h"
+#include "viewer/session/script.h"
+
+namespace armature::viewer {
+namespace {
+
+using Eigen::Vector3d;
+using sdk::VertexId;
+
+/// A ball of radius 1 in rings of faces.
+std::shared_ptr<Model> ball() {
+  constexpr std::size_t kRings = 24, kSides = 48;
+  sdk::Mesh mesh;
+  for (std::size_t ring = 0; ring <= kRings; ++ring) {
+    const double polar = std::numbers::pi * static_cast<double>(ring) / kRings;
+    for (std::size_t side = 0; side < kSides; ++side) {
+      const double around = 2 * std::numbers::pi * static_cast<double>(side) / kSides;
+      mesh.positions.emplace_back(std::sin(polar) * std::sin(around), std::cos(polar),
+                                  std::sin(polar) * std::cos(around));
+    }
+  }
+  const auto vertex = [&](std::size_t ring, std::size_t side) { return VertexId(ring * kSides + side % kSides); };
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    for (std::size_t side = 0; side < kSides; ++side) {
+      if (ring + 1 < kRings)
+        mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side), vertex(ring + 1, side + 1)});
+      if (ring > 0) mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side + 1), vertex(ring, side + 1)});
+    }
+  }
+  auto model = std::make_shared<Model>();
+  model->name = "ball";
+  model->mesh = std::make_shared<const MeshShape>(std::move(mesh));
+  return model;
+}
+
+class Hands : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    context = ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.DisplaySize = {600, 400};
+    io.DeltaTime = 1.0F / 60;
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    ui.view = {{0, 0}, {600, 400}};
+    session.aspect = 1.5;
+    session.add(ball());
+    frame({300, 200});
+  }
+  void TearDown() override { ImGui::DestroyContext(context); }
+
+  void frame(const ImVec2& mouse) {
+    ImGui::GetIO().MousePos = mouse;
+    ImGui::NewFrame();
+    handle_input(ui);
+    ImGui::EndFrame();
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  }
+  /// Presses, moves in steps and lets go.
+  void drag(const ImVec2& from, const ImVec2& by, int button = 0) {
+    frame(from);
+    ImGui::GetIO().MouseDown[button] = true;
+    for (int i = 0; i <= 8; ++i)
+      frame({from.x + by.x * static_cast<float>(i) / 8, from.y + by.y * static_cast<float>(i) / 8});
+    ImGui::GetIO().MouseDown[button] = false;
+    frame({from.x + by.x, from.y + by.y});
+  }
+  [[nodiscard]] Eigen::Matrix4d camera() const { return session.camera.view_from_world().matrix(); }
+  [[nodiscard]] std::size_t selected() const { return session.models.front()->selecting.selection.faces().size(); }
+
+  ImGuiContext* context = nullptr;
+  Session session;
+  Ui ui{.session = session};
+};
+
+TEST_F(Hands, TurnTheModelWithTheToolForLooking) {
+  const Eigen::Matrix4d before = camera();
+  drag({300, 200}, {60, 20});
+  EXPECT_FALSE(camera().isApprox(before));
+  EXPECT_EQ(selected(), 0U);
+}
+
+TEST_F(Hands, SelectWithAToolAndNeverMoveTheCameraByAccident) {
+  for (const char* tool : {"click", "brush", "lasso"}) {
+    ASSERT_TRUE(session.execute(std::string("tool ") + tool));
+    ASSERT_TRUE(session.execute("clear"));
+    const Eigen::Matrix4d before = camera();
+    const double distance = session.camera.distance;
+    if (std::string(tool) == "lasso") {
+      frame({250, 150});
+      ImGui::GetIO().MouseDown[0] = true;
+      for (const ImVec2 at : {ImVec2{250, 150}, ImVec2{350, 150}, ImVec2{350, 250}, ImVec2{250, 250}}) frame(at);
+      ImGui::GetIO().MouseDown[0] = false;
+      frame({250, 250});
+    } else {
+      drag({300, 200}, {40, 10});
+    }
+    ImGui::GetIO().MouseWheel = 2;
+    frame({300, 200});
+    ImGui::GetIO().MouseWheel = 0;
+    drag({300, 200}, {40, 40}, 1);
+    drag({5, 5}, {60, 0});  // beside the model
+    EXPECT_TRUE(camera().isApprox(before, 1e-6)) << tool;
+    EXPECT_NEAR(session.camera.distance, distance, 1e-6 * distance) << tool;
+    EXPECT_GT(selected(), 10U) << tool;
+  }
+}
+
+TEST_F(Hands, MoveTheCameraWithAltWhateverTheTool) {
+  for (const char* tool : {"click", "cut", "brush", "lasso", "pose"}) {
+    ASSERT_TRUE(session.execute(std::string("tool ") + tool));
+    Eigen::Matrix4d before = camera();
+    ImGui::GetIO().KeyAlt = true;
+    drag({300, 200}, {60, 20});
+    EXPECT_FALSE(camera().isApprox(before)) << tool << ", turned";
+    before = camera();
+    drag({300, 200}, {60, 20}, 1);
+    EXPECT_FALSE(camera().isApprox(before)) << tool << ", moved";
+    const double distance = session.camera.distance;
+    ImGui::GetIO().MouseWheel = 1;
+    frame({300, 200});
+    ImGui::GetIO().MouseWheel = 0;
+    EXPECT_LT(session.camera.distance, distance) << tool << ", zoomed";
+    ImGui::GetIO().KeyAlt = false;
+    EXPECT_EQ(selected(), 0U) << tool;
+  }
+}
+
+TEST_F(Hands, ThatPressAltInTheMiddleOfAStrokeEndTheStroke) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Eigen::Matrix4d before = camera();
+  frame({300, 200});
+  ImGui::GetIO().MouseDown[0] = true;
+  frame({300, 200});
+  frame({310, 200});
+  ImGui::GetIO().KeyAlt = true;
+  frame({330, 210});
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({330, 210});
+  ImGui::GetIO().KeyAlt = false;
+  EXPECT_TRUE(camera().isApprox(before));
+  EXPECT_GT(selected(), 0U);
+}
+
+TEST_F(Hands, ChangeTheBrushByTheWheel) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const double before = session.brush;
+  ImGui::GetIO().MouseWheel = 3;
+  frame({300, 200});
+  ImGui::GetIO().MouseWheel = 0;
+  EXPECT_GT(session.brush, 1.2 * before);
+}
+
+TEST_F(Hands, LeaveLinesThatDoTheSame) {
+  drag({300, 200}, {60, 20});
+  ASSERT_TRUE(session.execute("tool brush"));
+  drag({300, 200}, {40, 10});
+  ASSERT_TRUE(session.execute("combine add"));
+  ASSERT_TRUE(session.execute("tool lasso"));
+  frame({250, 150});
+  ImGui::GetIO().MouseDown[0] = true;
+  for (const ImVec2 at : {ImVec2{250, 150}, ImVec2{300, 140}, ImVec2{320, 260}, ImVec2{250, 250}}) frame(at);
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({250, 250});
+  Session again;
+  again.add(ball());
+  for (const std::string& line : session.log()) {
+    ASSERT_TRUE(again.execute(line)) << line;
+    while (again.job.running()) again.update(again.now + std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(again.models.front()->selecting.selection.faces(), session.models.front()->selecting.selection.faces());
+  EXPECT_TRUE(again.camera.view_from_world().isApprox(session.camera.view_from_world(), 1e-5));
+}
+
+TEST_F(Hands, WalkThroughTheCity) {
+  ASSERT_TRUE(session.execute("mode walk"));
+  frame({300, 200});
+  ImGui::GetIO().MouseDown[0] = true;
+  frame({300, 200});
+  for (int i = 0; i < 60; ++i) frame({300, 100});
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({300, 100});
+  EXPECT_GT(session.walk.pose().x_m, 1) << "a drag upwards walks forward";
+  EXPECT_NEAR(session.walk.pose().y_m, 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace armature::viewer

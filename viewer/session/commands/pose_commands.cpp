@@ -1,0 +1,193 @@
+// Deforming a mesh by its spheres.
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include "viewer/session/command.h"
+#include "viewer/session/posing.h"
+#include "viewer/session/session.h"
+
+namespace armature::viewer {
+namespace {
+
+using Done = sdk::Expected<void>;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// The model that is being posed.
+sdk::Expected<Model*> posed(Session& session) {
+  auto model = session.active();
+  if (model && !(*model)->posing) return sdk::fail("begin with `pose` first");
+  return model;
+}
+
+Done pose(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  const auto active = session.active_spheres();
+  if (!active) return tl::unexpected(active.error());
+  if (!(*active)->spheres->hierarchy) return sdk::fail("this sphere-mesh has one level alone; build a hierarchy first");
+  session.start("preparing the mesh to be posed",
+                [&session, spheres = (*active)->spheres->cursor->size(),
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto posing = Posing::begin(model->mesh, model->spheres->hierarchy, spheres, task);
+                  if (!posing) return tl::unexpected(posing.error());
+                  return Job::Apply([&session, model, posing = *posing] {
+                    model->posing = posing;
+                    model->handle.clear();
+                    model->take_pose();
+                    session.tool = Tool::Pose;
+                    session.looks.mesh = MeshLook::Glass;
+                    session.looks.spheres = SpheresLook::Structure;
+                  });
+                });
+  return {};
+}
+
+Done handle(Session& session, Arguments& arguments) {
+  const auto model = posed(session);
+  if (!model) return tl::unexpected(model.error());
+  std::vector<sdk::SphereId> spheres;
+  while (arguments.left() > 0 && spheres.size() <= (*model)->posing->level())
+    spheres.emplace_back(arguments.count("sphere", 0, (*model)->posing->level() - 1));
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto checked = sdk::check({.spheres = spheres}, (*model)->posing->level()); !checked && !spheres.empty())
+    return checked;
+  (*model)->handle = std::move(spheres);
+  return {};
+}
+
+/// Moves what the handle holds.
+Done moved(Session& session, Arguments& arguments, sdk::SphereMove move) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = posed(session);
+  if (!model) return tl::unexpected(model.error());
+  if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
+  move.spheres = (*model)->handle;
+  if (auto done = (*model)->posing->move(move); !done) return done;
+  (*model)->take_pose();
+  return {};
+}
+
+Done translate(Session& session, Arguments& arguments) {
+  const Eigen::Vector3d by = arguments.vector("way");
+  return moved(session, arguments, {.translate = by});
+}
+
+Done rotate(Session& session, Arguments& arguments) {
+  const Eigen::Vector3d axis = arguments.vector("axis");
+  const double angle = arguments.number("degrees") / kDegrees;
+  if (arguments.check() && !(axis.norm() > 0)) return sdk::fail("axis: expected one of some length, found 0 0 0");
+  return moved(session, arguments, {.rotate = angle * axis.stableNormalized()});
+}
+
+Done scale(Session& session, Arguments& arguments) {
+  const double factor = arguments.number("factor", 0.01, 100);
+  return moved(session, arguments, {.scale = factor});
+}
+
+Done swell(Session& session, Arguments& arguments) {
+  const double radius = arguments.number("radius", 0, 1e300);
+  return moved(session, arguments, {.radius = radius});
+}
+
+template <bool Pinned>
+Done pin(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = posed(session);
+  if (!model) return tl::unexpected(model.error());
+  if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
+  return (*model)->posing->pin((*model)->handle, Pinned);
+}
+
+Done save_pose(Session& session, Arguments& arguments) {
+  const std::string file = arguments.word("file");
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = posed(session);
+  if (!model) return tl::unexpected(model.error());
+  std::ofstream out(file);
+  out << (*model)->posing->text();
+  out.close();
+  if (!out) return sdk::fail(file + ": cannot be written");
+  session.tell("wrote " + file);
+  return {};
+}
+
+Done replay_pose(Session& session, Arguments& arguments) {
+  const std::string file = arguments.word("file");
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = posed(session); !model) return tl::unexpected(model.error());
+  std::ifstream in(file);
+  if (!in) return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  session.start("posing as " + file,
+                [file, text = std::move(text),
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  const auto done = model->posing->replay(text, file);
+                  const std::optional<sdk::Error> wrong = done ? std::nullopt : std::optional(done.error());
+                  if (wrong) return tl::unexpected(*wrong);
+                  return Job::Apply([model] {
+                    model->handle.clear();
+                    model->take_pose();
+                  });
+                });
+  return {};
+}
+
+Done bake(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto active = posed(session);
+  if (!active) return tl::unexpected(active.error());
+  session.start("making a mesh of the pose",
+                [&session, mesh = (*active)->posing->mesh(),
+                 name = (*active)->name](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto model = std::make_shared<Model>();
+                  model->name = name + " posed";
+                  model->mesh = std::make_shared<const MeshShape>(mesh);
+                  return Job::Apply([&session, model] {
+                    const OrbitCamera camera = session.camera;
+                    session.tool = Tool::Look;
+                    session.looks.mesh = MeshLook::Solid;
+                    session.add(model);
+                    session.camera = camera;
+                  });
+                });
+  return {};
+}
+
+Done unpose(Session& session, Arguments& arguments) {
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto model = posed(session);
+  if (!model) return tl::unexpected(model.error());
+  (*model)->posing.reset();
+  (*model)->handle.clear();
+  (*model)->go_to((*model)->spheres->cursor->size());
+  ++(*model)->mesh_revision;
+  session.tool = Tool::Look;
+  session.looks.mesh = MeshLook::Solid;
+  return {};
+}
+
+constexpr std::array kCommands = {
+    Command{"pose", "", "begin to deform the mesh by the spheres of this level", pose},
+    Command{"handle", "[SPHERE ...]", "hold these spheres: one, the two of an edge, the three of a triangle", handle},
+    Command{"translate", "X Y Z", "move what is held, in the model's unit", translate},
+    Command{"rotate", "X Y Z DEGREES", "turn it about its middle, about this axis", rotate},
+    Command{"scale", "FACTOR", "make it larger or smaller", scale},
+    Command{"swell", "RADIUS", "let its spheres have this radius", swell},
+    Command{"pin", "", "what is held stays where it is from now on", pin<true>},
+    Command{"unpin", "", "let it move again", pin<false>},
+    Command{"save-pose", "FILE", "write the steps of the deformation", save_pose},
+    Command{"replay-pose", "FILE", "carry out the steps of such a file", replay_pose},
+    Command{"bake", "", "open the posed mesh as a model of its own", bake},
+    Command{"unpose", "", "put the mesh back as it was", unpose},
+};
+
+}  // namespace
+
+std::span<const Command> pose_commands() {
+  return kCommands;
+}
+
+}  // namespace armature::viewer
