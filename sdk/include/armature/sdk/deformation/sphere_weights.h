@@ -40,6 +40,7 @@ class SphereWeights {
   /// What is taken off every weight, so that each sphere reaches a few vertices only and fades out.
   static constexpr float kCut = 1.0F / 256;
 
+  /// Finds no weights yet.
   SphereWeights(const HeatDiffusion& diffusion, const Hierarchy& hierarchy);
 
   /// Its weights. Every sphere has a share in all vertices that it stands for.

@@ -25,10 +25,10 @@ struct Gls {
 
 /// How these change with the place (x, y, z) and with the scale, in this order.
 struct GlsDerivatives {
-  Eigen::RowVector4d tau = Eigen::RowVector4d::Zero();
-  Eigen::RowVector4d kappa = Eigen::RowVector4d::Zero();
-  Eigen::RowVector4d phi = Eigen::RowVector4d::Zero();
-  Eigen::Matrix<double, 3, 4> eta = Eigen::Matrix<double, 3, 4>::Zero();
+  Eigen::RowVector4d tau = Eigen::RowVector4d::Zero();                    ///< of `Gls::tau`
+  Eigen::RowVector4d kappa = Eigen::RowVector4d::Zero();                  ///< of `Gls::kappa`
+  Eigen::RowVector4d phi = Eigen::RowVector4d::Zero();                    ///< of `Gls::phi`
+  Eigen::Matrix<double, 3, 4> eta = Eigen::Matrix<double, 3, 4>::Zero();  ///< of `Gls::eta`
 };
 
 /// At which scales points are looked at, and how closely.

@@ -10,9 +10,9 @@ namespace armature::sdk {
 
 /// Points of a surface that need not be joined. Any length unit, any frame.
 struct PointSet {
-  std::vector<Eigen::Vector3d> positions = {};
-  std::vector<Eigen::Vector3d> normals = {};  ///< outward, of unit length; zero where it is not known
-  std::vector<double> areas = {};             ///< that each stands for; empty: all the same
+  std::vector<Eigen::Vector3d> positions = {};  ///< one a point
+  std::vector<Eigen::Vector3d> normals = {};    ///< outward, of unit length; zero where it is not known
+  std::vector<double> areas = {};               ///< that each stands for; empty: all the same
 };
 
 /// The vertices of a mesh with their normals and barycentric cells; vertices on no face have neither.

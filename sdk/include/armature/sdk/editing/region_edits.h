@@ -16,21 +16,21 @@ namespace armature::sdk {
 
 /// Along the normals, by a distance on the reference.
 struct DisplaceEdit {
-  double distance = 0;
+  double distance = 0;  ///< outward, in the model's unit
 };
 /// Implicit smoothing over a length on the reference.
 struct SmoothEdit {
-  double length = 0;
+  double length = 0;  ///< in the model's unit
 };
 /// A handle at a point of the reference is moved and draws the region with it: all where it is, nothing at the
 /// boundary, harmonic in between.
 struct HandleEdit {
-  Eigen::Vector3d point;
-  Eigen::Vector3d by;
+  Eigen::Vector3d point;  ///< on the reference
+  Eigen::Vector3d by;     ///< how far it is moved
 };
 /// A colour.
 struct PaintEdit {
-  Colour colour = {};
+  Colour colour = {};  ///< of the vertices
 };
 /// The match takes the shape of the reference.
 struct CopyEdit {};

@@ -14,8 +14,9 @@ namespace armature::sdk {
 /// smooth in between.
 struct Transfer {
   double from = 0;  ///< below `to`
-  double to = 1;
+  double to = 1;    ///< above `from`
 
+  /// The weight of a similarity.
   [[nodiscard]] double operator()(double similarity) const noexcept;
 };
 

@@ -24,9 +24,10 @@ class LevelCursor {
   bool coarsen();
   /// One sphere more; false, and nothing, at the finest level.
   bool refine();
-  /// To the end of the next step that is not done, or of the last one before; as above. The same as these where
-  /// collapses are not done together.
+  /// To the end of the next step, all of whose collapses are done together; false, and nothing, at the coarsest level.
+  /// The same as `coarsen()` where no collapses are done together.
   bool coarsen_step();
+  /// Back to where the last step began; false, and nothing, at the finest level.
   bool refine_step();
   /// To the level with so many spheres, which the hierarchy must have: step by step, or anew where that is shorter.
   void go_to(std::size_t spheres);

@@ -22,10 +22,10 @@ struct Gaze {
 
 /// A loop that is drawn around something in a picture of the mesh.
 struct Lasso {
-  std::vector<Eigen::Vector3d> loop =
-      {};  ///< a point on each line of sight, near or far; the last is joined to the first
-  std::variant<Eye, Gaze> seen_from = Eye{};
-  bool through = false;  ///< takes what is hidden, too
+  /// A point on each line of sight, near or far; the last is joined to the first.
+  std::vector<Eigen::Vector3d> loop = {};
+  std::variant<Eye, Gaze> seen_from = Eye{};  ///< where the lines of sight come from
+  bool through = false;                       ///< takes what is hidden, too
 };
 
 /// The faces whose middles are seen inside the loop, ascending; where it crosses itself, all that it winds around.
