@@ -142,7 +142,8 @@ class V4l2Source final : public DepthSource {
       format.fmt.pix.width = 640;
       format.fmt.pix.height = 480;
       format.fmt.pix.field = V4L2_FIELD_ANY;
-      (void)control(VIDIOC_S_FMT, format);
+      // What it does not take is seen by what it has instead.
+      if (!control(VIDIOC_S_FMT, format) && !control(VIDIOC_G_FMT, format)) return complain("does not take Z16");
     }
     const v4l2_pix_format& pix = format.fmt.pix;
     packed_ = pix.pixelformat == V4L2_PIX_FMT_Y10BPACK;

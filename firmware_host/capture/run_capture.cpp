@@ -30,6 +30,7 @@ class Capturing {
         std::this_thread::sleep_for(kLookAgain);
         continue;
       }
+      (void)frames_.take_command();  // meant for the stream before this one
       frames_.set_state(CaptureState::Streaming, "");
       if (stream(**source)) break;
     }

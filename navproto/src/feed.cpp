@@ -58,6 +58,8 @@ Expected<FeedPublisher> FeedPublisher::bind(std::string_view endpoint, Publisher
   impl->socket.set(ZMQ_SNDHWM, kFeedQueue).set(ZMQ_LINGER, 0);
   if (impl->options.curve && endpoints->feed.starts_with("tcp:")) {
     impl->gatekeeper = std::make_unique<Gatekeeper>(impl->context.get(), *impl->options.curve);
+    if (!impl->gatekeeper->at_the_door())
+      return fail("nobody can check who connects: no socket is left; let the process have more open files");
     impl->gatekeeper->guard(impl->socket);
   }
   auto lock = bind_exclusively(impl->socket, endpoints->feed);

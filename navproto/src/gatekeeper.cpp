@@ -21,13 +21,13 @@ Gatekeeper::Gatekeeper(void* context, const CurveServer& curve)
     : curve_(curve), door_(context, ZMQ_REP), stop_(context, ZMQ_PAIR), stopped_(context, ZMQ_PAIR) {
   for (const AllowedKey& key : curve_.allow) allowed_.insert(key.public_key);
   for (Socket* socket : {&door_, &stop_, &stopped_}) socket->set(ZMQ_LINGER, 0);
-  zmq_bind(door_.get(), kDoor);
-  zmq_bind(stopped_.get(), kStop);
-  zmq_connect(stop_.get(), kStop);
+  if (zmq_bind(door_.get(), kDoor) != 0 || zmq_bind(stopped_.get(), kStop) != 0 || zmq_connect(stop_.get(), kStop) != 0)
+    return;
   thread_ = std::thread([this] { answer_until_stopped(); });
 }
 
 Gatekeeper::~Gatekeeper() {
+  if (!thread_.joinable()) return;
   stop_.send({});
   thread_.join();
 }

@@ -23,6 +23,9 @@ class Gatekeeper {
   Gatekeeper(const Gatekeeper&) = delete;
   Gatekeeper& operator=(const Gatekeeper&) = delete;
 
+  /// Whether somebody stands at the door. If not, ZeroMQ would let everybody in who speaks CURVE: nothing may be bound.
+  [[nodiscard]] bool at_the_door() const noexcept { return thread_.joinable(); }
+
   /// Makes `socket` one that only listed keys may connect to. Before it is bound.
   void guard(Socket& socket) const;
 

@@ -134,6 +134,8 @@ Expected<Publisher> Publisher::bind(std::string_view endpoint, PublisherOptions 
                                                                            {&impl->events, &endpoints->events}}};
   if (impl->options.curve && endpoints->navigation.starts_with("tcp:")) {
     impl->gatekeeper = std::make_unique<Gatekeeper>(impl->context.get(), *impl->options.curve);
+    if (!impl->gatekeeper->at_the_door())
+      return fail("nobody can check who connects: no socket is left; let the process have more open files");
     for (const auto& [outlet, where] : bindings) outlet->guard(*impl->gatekeeper);
   }
   for (std::size_t i = 0; i < bindings.size(); ++i) {

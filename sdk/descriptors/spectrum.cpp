@@ -110,7 +110,11 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   const Index live = (mass.array() > 0).count();
   if (live == 0) return fail("the mesh has no face with an area; its surface has no spectrum");
   if (options.count == 0) return fail("count: expected one eigenpair or more");
-  const Index count = std::min(static_cast<Index>(options.count), live);
+  if (options.most == 0) return fail("most: expected 1 or more");
+  const auto at_most_live = [&](std::size_t wanted) {
+    return static_cast<Index>(std::min(wanted, static_cast<std::size_t>(live)));
+  };
+  const Index count = at_most_live(options.count);
   const VectorXd root_mass = mass.cwiseMax(0).cwiseSqrt();
   const double expected_top = 4 * std::numbers::pi * static_cast<double>(count) / mass.sum();  // Weyl's law
   const double sigma = kShift * expected_top;
@@ -121,7 +125,7 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   if (!factor) return tl::unexpected(factor.error());
 
   // Q' A Q with A = M^1/2 (L + sigma M)^-1 M^1/2, whose largest values belong to the lowest of L.
-  const Index most = std::min(live, static_cast<Index>(options.most) * count + 2 * kBlock);
+  const Index most = std::min(live, at_most_live(options.most) * count + 2 * kBlock);
   MatrixXd q(n, most);
   MatrixXd projected = MatrixXd::Zero(most, most);
   Index size = 0;

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -28,16 +29,19 @@ Expected<std::vector<EditRegion>> regions_of(const Surface& surface, std::span<c
   return regions;
 }
 
-/// How far a handle draws every vertex: 1 at the vertex nearest to it, 0 at the boundary; without a boundary it fades
-/// over the region's own size.
+/// How far a handle draws every vertex: 1 at the vertex nearest to it off the boundary, 0 at the boundary; without a
+/// boundary it fades over the region's own size.
 Expected<std::vector<double>> drawn_by_handle(const EditRegion& region, const Eigen::Vector3d& handle,
                                               const Task& task) {
   const auto n = static_cast<Eigen::Index>(region.mesh.positions.size());
-  Eigen::Index nearest = 0;
-  for (Eigen::Index v = 1; v < n; ++v)
-    if ((region.mesh.positions[static_cast<std::size_t>(v)] - handle).squaredNorm() <
-        (region.mesh.positions[static_cast<std::size_t>(nearest)] - handle).squaredNorm())
-      nearest = v;
+  Eigen::Index nearest = -1;
+  double least2 = std::numeric_limits<double>::infinity();
+  for (Eigen::Index v = 0; v < n; ++v) {
+    if (region.inside[static_cast<std::size_t>(v)] == 0) continue;
+    const double distance2 = (region.mesh.positions[static_cast<std::size_t>(v)] - handle).squaredNorm();
+    if (distance2 < least2) least2 = distance2, nearest = v;
+  }
+  if (nearest < 0) return std::vector<double>(region.mesh.positions.size(), 0.0);  // all boundary
   const Laplacian of_region = laplacian(region.mesh, Adjacency(region.mesh));
   const double area = of_region.mass.sum();
   Eigen::SparseMatrix<double> A = of_region.stiffness;
@@ -61,7 +65,6 @@ Expected<std::vector<double>> drawn_by_handle(const EditRegion& region, const Ei
 struct Edit {
   const EditRegion& region;
   const MeshTree& reference;  // of the reference's faces
-  const Mesh& reference_mesh;
   const Task& task;
 
   Expected<Mesh> operator()(const DisplaceEdit& edit) const {
@@ -80,7 +83,11 @@ struct Edit {
     for (std::size_t v = 0; v < drawn->size(); ++v) result.positions[v] += (*drawn)[v] * by;
     return result;
   }
-  Expected<Mesh> operator()(const PaintEdit& edit) const { return painted(region.mesh, region.inside, edit.colour); }
+  Expected<Mesh> operator()(const PaintEdit& edit) const {
+    std::vector<double> weights = region.inside;
+    for (double& w : weights) w *= edit.strength;
+    return painted(region.mesh, weights, edit.colour);
+  }
   Expected<Mesh> operator()(const CopyEdit&) const {
     Mesh result = region.mesh;
     for (std::size_t v = 0; v < result.positions.size(); ++v) {
@@ -118,11 +125,11 @@ Expected<Mesh> transported(const Surface& surface, std::span<const FaceId> refer
                            const RegionEdit& edit, const TransportOptions& options, const Task& task) {
   const auto regions = regions_of(surface, reference, matches, options);
   if (!regions) return tl::unexpected(regions.error());
-  const Mesh& original = regions->front().mesh;
-  const MeshTree tree(original);
+  const MeshTree tree(regions->front().mesh);
   std::vector<Mesh> edited;
   for (const EditRegion& region : *regions) {
-    auto mesh = std::visit(Edit{region, tree, original, task}, edit);
+    if (task.stopped()) return cancelled();
+    auto mesh = std::visit(Edit{region, tree, task}, edit);
     if (!mesh) return tl::unexpected(mesh.error());
     edited.push_back(std::move(*mesh));
   }

@@ -39,7 +39,14 @@ Expected<void> Daemon::State::reload() {
   auto read = load_config(options.config_file);
   // What is refused at the start is refused here: who may connect, and who may change something.
   if (read) {
-    if (const auto uids = control_uids(*read); !uids) read = tl::unexpected(uids.error());
+    options.override_config(*read);
+    const auto refuse = [&](const Error& why) { read = fail(options.config_file.string() + ": " + why.message); };
+    if (const auto door = door_of(*read); !door)
+      refuse(door.error());
+    else if (const auto endpoint = control_endpoint(*read); !endpoint)
+      refuse(endpoint.error());
+    else if (const auto uids = control_uids(*read); !uids)
+      refuse(uids.error());
   }
   service.ready("running");
   if (!read) {
@@ -47,7 +54,6 @@ Expected<void> Daemon::State::reload() {
     say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");
     return tl::unexpected(read.error());
   }
-  options.override_config(*read);
   if (read->model != config.model) {
     auto model = load_model(*read);
     if (!model) {

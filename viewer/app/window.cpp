@@ -76,22 +76,23 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   if (!app) return tl::unexpected(app.error());
   w.app = std::move(*app);
 
+  bool playing = !script.done(session);
   while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit) {
-    // Nothing moves: wait for somebody to do something, or for half a second.
+    // Nothing moves: wait for somebody to do something, or for a moment.
     if (w.app->calm() && script.done(session)) {
       glfwWaitEventsTimeout(0.1);
     } else {
       glfwPollEvents();
     }
     session.update(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * glfwGetTime())));
-    const bool had_lines = !script.done(session);
-    if (auto stepped = script.step(session); !stepped) {
-      if (options.close_after_script) return stepped;
+    if (!playing) {
+      session.failed = false;  // what somebody did by hand has been told
+    } else if (auto stepped = script.step(session); !stepped) {
       session.tell(stepped.error().message, true);
       script = Script();
       session.failed = false;
     }
-    if (options.close_after_script && !had_lines && script.done(session)) break;
+    playing = !script.done(session);
     int width = 0, height = 0;
     glfwGetFramebufferSize(w.window, &width, &height);
     if (width < 16 || height < 16) continue;  // minimised

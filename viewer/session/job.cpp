@@ -43,8 +43,10 @@ std::optional<sdk::Expected<void>> Job::poll() {
     const std::lock_guard lock(state_->mutex);
     if (!state_->result) return std::nullopt;
   }
+  const bool cancelled = thread_.get_stop_token().stop_requested();
   thread_.join();
   const sdk::Expected<Apply> result = *std::exchange(state_, nullptr)->result;
+  if (cancelled) return sdk::cancelled();  // also where the work was done before it could notice
   if (!result) return tl::unexpected(result.error());
   if (*result) (*result)();
   return sdk::Expected<void>();

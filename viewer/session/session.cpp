@@ -97,7 +97,7 @@ void Session::update(Time time) {
   if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);
   if (!notice_is_error && now - notice_since > kNoticeStays) notice.clear();
   measure_level();
-  if (waiting && waiting()) waiting = nullptr;
+  if (waiting && !job.running() && waiting()) waiting = nullptr;
 }
 
 /// Once the level has stood for a moment, its error is measured in the background; one at a time, the last one wins.

@@ -143,8 +143,11 @@ TEST(RegionEdits, ComeOutOnEveryComponentAsIfDoneThere) {
         const Vector3d truth = blobs.to[k] * all->positions[v];
         farthest = std::max(farthest, (all->positions[k * blobs.each + v] - truth).norm());
       }
-    EXPECT_LT(farthest, 0.01 * blobs.diagonal());
-    EXPECT_GT((all->positions[100] - blobs.mesh.positions[100]).norm(), 0.01);
+    EXPECT_LT(farthest, 0.01 * bounding_box_diagonal(blob()));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t v = k * blobs.each + 100;
+      EXPECT_GT((all->positions[v] - blobs.mesh.positions[v]).norm(), 0.01);
+    }
   }
 }
 
@@ -199,7 +202,7 @@ TEST(RegionEdits, CopyAndMeanAgreeOnWhatIsEqualAndMeetInTheMiddle) {
   matches[0].reference_from_match = blobs.to[1].inverse().matrix();
   std::vector<FaceId> reference(blobs.faces);
   for (std::size_t f = 0; f < blobs.faces; ++f) reference[f] = FaceId(f);
-  // The second is thicker by a tenth of its size.
+  // The second, twice as large, is thicker by 0.1.
   const Mesh thin = mesh;
   const auto normals = vertex_normals(mesh);
   for (std::size_t v = blobs.each; v < 2 * blobs.each; ++v) mesh.positions[v] += 0.1 * normals[v];
@@ -211,8 +214,8 @@ TEST(RegionEdits, CopyAndMeanAgreeOnWhatIsEqualAndMeetInTheMiddle) {
   for (std::size_t v = 0; v < blobs.each; ++v) {
     EXPECT_NEAR((copied->positions[v] - mesh.positions[v]).norm(), 0, 1e-12);
     EXPECT_NEAR((copied->positions[blobs.each + v] - thin.positions[blobs.each + v]).norm(), 0, 0.02);
-    EXPECT_NEAR((mean->positions[v] - mesh.positions[v]).norm(), 0.025, 0.005);
-    EXPECT_NEAR((apart->positions[v] - mesh.positions[v]).norm(), 0.025, 0.005);
+    EXPECT_NEAR((mean->positions[v] - mesh.positions[v]).dot(normals[v]), 0.025, 0.005);
+    EXPECT_NEAR((apart->positions[v] - mesh.positions[v]).dot(normals[v]), -0.025, 0.005);
   }
 }
 

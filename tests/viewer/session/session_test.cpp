@@ -87,7 +87,7 @@ TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
   bool changed = false;
   job.start("waiting", [&](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
     while (!task.stopped()) std::this_thread::sleep_for(1ms);
-    return sdk::cancelled();
+    return Job::Apply([&] { changed = true; });
   });
   job.cancel();
   const auto done = waited_for(job);

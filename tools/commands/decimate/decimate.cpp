@@ -117,7 +117,7 @@ void add_decimate(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("decimate", "Simplify a mesh, like regions together");
   command->add_option("IN", arguments->in, "a triangle mesh")->required();
-  command->add_option("OUT", arguments->out, "spheres as .ma, .ply or .urdf; with --kind mesh: OFF, OBJ, PLY or STL")
+  command->add_option("OUT", arguments->out, "spheres as .ma, .ply or .urdf; with --kind mesh: OBJ, OFF or PLY")
       ->required();
   command->add_option("--target", arguments->target, "how many spheres, or vertices, to reach")
       ->required()

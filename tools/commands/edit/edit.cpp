@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -97,6 +98,8 @@ sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& sur
   const sdk::Laplacian laplacian = sdk::laplacian(surface.mesh, surface.adjacency);
   const auto spectrum = sdk::spectrum(surface.mesh, laplacian, {}, task);
   if (!spectrum) return tl::unexpected(spectrum.error());
+  if (spectrum->converged < static_cast<std::size_t>(spectrum->values.size()))
+    return sdk::fail("the Laplacian's eigenfunctions did not converge; try --map gls");
   return signature(*spectrum, laplacian);
 }
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> psc(const sdk::Surface& surface, std::span<const sdk::FaceId> reference,
@@ -173,7 +176,8 @@ sdk::Expected<sdk::Mesh> sharpen(const Job& job) {
   });
 }
 sdk::Expected<sdk::Mesh> paint(const Job& job) {
-  if (job.arguments.expand > 0) return job.everywhere(sdk::PaintEdit{kPaint});
+  if (job.arguments.expand > 0)
+    return job.everywhere(sdk::PaintEdit{kPaint, std::clamp(job.arguments.amount, 0.0, 1.0)});
   return job.weights().and_then([&](auto w) {
     for (double& weight : w) weight *= std::clamp(job.arguments.amount, 0.0, 1.0);
     return sdk::painted(job.surface.mesh, w, kPaint);
@@ -186,9 +190,11 @@ sdk::Expected<sdk::Mesh> pull(const Job& job) {
   return job.everywhere(sdk::HandleEdit{job.surface.mesh.position(ball->centre), job.length() * normal});
 }
 sdk::Expected<sdk::Mesh> copy(const Job& job) {
+  if (job.arguments.expand == 0) return sdk::fail("--op copy: needs --expand, how many regions take the shape");
   return job.everywhere(sdk::CopyEdit{});
 }
 sdk::Expected<sdk::Mesh> alike(const Job& job) {
+  if (job.arguments.expand == 0) return sdk::fail("--op alike: needs --expand, how many regions become alike");
   return sdk::made_alike(job.surface, job.found.reference(), job.matches(), job.arguments.amount, {}, job.task);
 }
 
@@ -202,6 +208,11 @@ constexpr std::array<std::pair<const char*, Op>, 7> kOps = {{{"alike", alike},
 
 Expected<void> run_edit(const Arguments& arguments) {
   if (!(arguments.to > arguments.from)) return fail("--to: expected more than --from");
+  if (!std::isfinite(arguments.amount)) return fail("--amount: expected a finite number");
+  if (!(arguments.share > 0 && arguments.share <= 1)) return fail("--share: expected more than 0 and at most 1");
+  const auto format = sdk::mesh_format_of(arguments.out);
+  if (format != sdk::MeshFormat::Obj && format != sdk::MeshFormat::Off && format != sdk::MeshFormat::Ply)
+    return fail(arguments.out + ": expected a name that ends with .obj, .off or .ply");
   SdkCall call;
   const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
   if (!mesh) return tl::unexpected(mesh.error());
@@ -244,7 +255,7 @@ void add_edit(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("edit", "Edit a mesh at a selection and at all that is like it");
   command->add_option("MESH", arguments->mesh, "a triangle mesh")->required();
-  command->add_option("OUT", arguments->out, "the edited one: OFF, OBJ, PLY or STL; colours only in PLY")->required();
+  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY")->required();
   command->add_option("--gesture", arguments->gesture, "what is selected, as for `armature select`")
       ->required()
       ->type_name("G.json");

@@ -23,7 +23,7 @@ void draw_pose_panel(Ui& ui) {
     hint("Arrows and the white disc move, the ring turns, the square scales, the diamond swells.");
   }
   ImGui::TextDisabled("%zu held", model.handle.size());
-  if (!model.handle.empty()) {
+  if (!model.handle.empty() && !session.job.running()) {  // work may be changing the level
     ImGui::SameLine();
     const bool pinned = model.posing->is_pinned(model.handle.front());
     if (ImGui::SmallButton(pinned ? "Unpin" : "Pin")) ui.issue("{}", pinned ? "unpin" : "pin");

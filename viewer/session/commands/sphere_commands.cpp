@@ -19,6 +19,7 @@ Done build(Session& session, Arguments& arguments) {
   const double importance = arguments.left() > 0 ? arguments.number("importance", 0, 10) : 0;
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  if (session.models[session.active_model]->posing) return sdk::fail("put the mesh back before building: `unpose`");
   session.start("building the hierarchy",
                 [&session, importance,
                  model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
@@ -55,7 +56,7 @@ Done level(Session& session, Arguments& arguments) {
     return {};
   }
   (*model)->go_to(spheres);
-  if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy)
+  if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy && !other->posing)
     other->go_to(
         std::clamp(spheres, other->spheres->hierarchy->min_spheres(), other->spheres->hierarchy->leaf_count()));
   return {};

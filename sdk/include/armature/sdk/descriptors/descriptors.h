@@ -39,9 +39,10 @@ inline constexpr std::size_t kGlsBins = 10;
 /// GLS at the scales of the fit, of points or vertices. `gls` may go afterwards.
 [[nodiscard]] Expected<std::unique_ptr<Descriptor>> gls_descriptor(const GrowingLeastSquares& gls,
                                                                    GlsAggregation aggregation, const Task& task = {});
-/// The two smallest eigenvalues of the quadric of a region over their sum (section 6.3.2); unlike by distance.
+/// The two smallest eigenvalues of the quadric of a region over their sum (section 6.3.2); unlike by twice their
+/// distance.
 [[nodiscard]] std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh);
-/// Patch shape contexts (section 5.4.3); unlike by chi-square. `contexts` must outlive it.
+/// Patch shape contexts (section 5.4.3); unlike by chi-square. `contexts` may go.
 [[nodiscard]] std::unique_ptr<Descriptor> patch_shape_context(const Surface& surface, const PatchContexts& contexts);
 /// Every vertex's component's approximate shape context (section 5.4.1); unlike by chi-square. `index` may go.
 [[nodiscard]] std::unique_ptr<Descriptor> approximate_shape_context(const Mesh& mesh, const ComponentIndex& index);

@@ -30,7 +30,8 @@ struct HandleEdit {
 };
 /// A colour.
 struct PaintEdit {
-  Colour colour = {};  ///< of the vertices
+  Colour colour = {};   ///< of the vertices
+  double strength = 1;  ///< 0 to 1
 };
 /// The match takes the shape of the reference.
 struct CopyEdit {};
