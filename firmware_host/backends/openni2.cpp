@@ -56,6 +56,14 @@ Expected<SourceInfo> describe(const std::filesystem::path& path, const OniLayout
   return info;
 }
 
+/// What `record` says of the image in `frame`.
+void stamp(DepthFrame& frame, const OniFrameRecord& record, const SourceInfo& info, std::chrono::nanoseconds now) {
+  frame.intrinsics = info.intrinsics;
+  frame.sequence = record.index - 1;
+  frame.sensor = {std::chrono::microseconds(record.timestamp_us), ClockId::Recording};
+  frame.host = {now, ClockId::HostMonotonic};
+}
+
 class OniSource final : public DepthSource {
  public:
   OniSource(FileReader file, OniLayout layout, SourceInfo info, const OpenOptions& options)
@@ -99,17 +107,13 @@ class OniSource final : public DepthSource {
   Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
     if (next_ == layout_.frames.size()) return ReadStatus::EndOfStream;
     const OniFrameRecord& record = layout_.frames[next_];
-    const auto sensor_time = std::chrono::microseconds(record.timestamp_us);
-    if (!pacer_.wait_until_due(sensor_time, timeout)) return ReadStatus::Timeout;
+    if (!pacer_.wait_until_due(std::chrono::microseconds(record.timestamp_us), timeout)) return ReadStatus::Timeout;
 
     // The player reads one image ahead.
     const auto ahead = std::min(next_ + 1, layout_.frames.size() - 1);
     if (auto checked = check_images_through(ahead); !checked) return tl::unexpected(checked.error());
     if (auto played = play(record, frame); !played) return tl::unexpected(played.error());
-    frame.intrinsics = info_.intrinsics;
-    frame.sequence = record.index - 1;
-    frame.sensor = {sensor_time, ClockId::Recording};
-    frame.host = {clock_->now(), ClockId::HostMonotonic};
+    stamp(frame, record, info_, clock_->now());
     ++next_;
     return ReadStatus::Frame;
   }
@@ -180,17 +184,13 @@ class UnfinishedOniSource final : public DepthSource {
   Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
     if (next_ == layout_.frames.size()) return ReadStatus::EndOfStream;
     const OniFrameRecord& record = layout_.frames[next_];
-    const auto sensor_time = std::chrono::microseconds(record.timestamp_us);
-    if (!pacer_.wait_until_due(sensor_time, timeout)) return ReadStatus::Timeout;
+    if (!pacer_.wait_until_due(std::chrono::microseconds(record.timestamp_us), timeout)) return ReadStatus::Timeout;
     payload_.resize(record.payload_bytes);
     frame.depth_mm.resize(static_cast<std::size_t>(layout_.width) * static_cast<std::size_t>(layout_.height));
     if (!file_.read_at(record.payload_offset, payload_) || !decode_depth(layout_.codec, payload_, frame.depth_mm))
       return fail(info_.uri.substr(4) + ": image " + std::to_string(record.index) + " at byte " +
                   std::to_string(record.payload_offset) + " is corrupt");
-    frame.intrinsics = info_.intrinsics;
-    frame.sequence = record.index - 1;
-    frame.sensor = {sensor_time, ClockId::Recording};
-    frame.host = {clock_->now(), ClockId::HostMonotonic};
+    stamp(frame, record, info_, clock_->now());
     ++next_;
     return ReadStatus::Frame;
   }

@@ -17,22 +17,24 @@
 
 #include "firmware_host/backends/freenect.h"
 
-#ifndef V4L2_PIX_FMT_Y10BPACK
-#define V4L2_PIX_FMT_Y10BPACK v4l2_fourcc('Y', '1', '0', 'B')
-#endif
-
 namespace armature {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// The nominal horizontal field of view of depth cameras, by a part of the name that their driver gives.
+/// The nominal horizontal field of view of depth cameras and the unit of their Z16, as they leave the factory, by a
+/// part of the name that their driver gives.
 struct Model {
   std::string_view name;
   double horizontal_fov_deg;
+  double unit_mm;
 };
-constexpr std::array<Model, 6> kModels = {
-    {{"D415", 65}, {"D435", 87}, {"D455", 87}, {"D405", 87}, {"SR300", 71.5}, {"SR305", 71.5}}};
+constexpr std::array<Model, 6> kModels = {{{"D415", 65, 1},
+                                           {"D435", 87, 1},
+                                           {"D455", 87, 1},
+                                           {"D405", 87, 0.1},
+                                           {"SR300", 71.5, 0.125},
+                                           {"SR305", 71.5, 0.125}}};
 constexpr double kKinectFocal_px = 575.8;  // of 640 pixels
 constexpr std::size_t kBuffers = 4;
 constexpr std::uint16_t kNoDisparity = 1023;
@@ -169,8 +171,9 @@ class V4l2Source final : public DepthSource {
     double focal_px = wanted_focal_px_;
     if (focal_px == 0 && packed_) focal_px = kKinectFocal_px * k.width / 640;
     for (const Model& model : kModels) {
-      if (focal_px == 0 && card.find(model.name) != std::string_view::npos)
-        focal_px = k.width / (2 * std::tan(model.horizontal_fov_deg * std::numbers::pi / 360));
+      if (card.find(model.name) == std::string_view::npos) continue;
+      if (focal_px == 0) focal_px = k.width / (2 * std::tan(model.horizontal_fov_deg * std::numbers::pi / 360));
+      unit_mm_ = model.unit_mm;
     }
     if (focal_px == 0)
       return complain("is a '" + std::string(card) + "', whose focal length is not known: add ?focal_px=F");
@@ -231,6 +234,8 @@ class V4l2Source final : public DepthSource {
         for (std::uint16_t& pixel : out) pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[pixel * 2U];
       } else {
         std::memcpy(out.data(), bytes + y * row_bytes_, row);
+        if (unit_mm_ == 1) continue;
+        for (std::uint16_t& pixel : out) pixel = static_cast<std::uint16_t>(std::lround(pixel * unit_mm_));
       }
     }
     frame.intrinsics = info_.intrinsics;
@@ -251,6 +256,7 @@ class V4l2Source final : public DepthSource {
   SourceInfo info_;
   int descriptor_ = -1;
   bool packed_ = false;
+  double unit_mm_ = 1;  // of Z16
   std::size_t row_bytes_ = 0;
   std::size_t buffers_ = 0;
   std::array<Mapping, kBuffers> mappings_;

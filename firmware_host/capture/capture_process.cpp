@@ -23,8 +23,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A process that has not come round its loop for so long hangs in the device library.
-constexpr std::chrono::nanoseconds kHangs = 2s;
+/// A process that has not come round its loop for so long hangs in the device library; to open a device takes longer
+/// than to read from it.
+constexpr std::chrono::nanoseconds kHangs = 2s, kHangsOpening = 4s;
+/// In which it turns the sensor's light off and goes, once it was asked to.
+constexpr int kFarewell_ms = 500;
 
 std::filesystem::path program() {
   std::error_code error;
@@ -72,6 +75,11 @@ class Child {
     forget();
     return true;
   }
+  /// Waits for it to end by itself, for a moment.
+  void wait() const {
+    pollfd over{descriptor_, POLLIN, 0};
+    if (running() && descriptor_ >= 0) (void)::poll(&over, 1, kFarewell_ms);
+  }
   void end() {
     if (!running()) return;
     ::kill(pid(), SIGKILL);
@@ -93,11 +101,16 @@ class Child {
 
 struct CaptureProcess::State {
   State(SharedFrames shared, int wake_descriptor) : frames(std::move(shared)), wake(wake_descriptor) {}
-  ~State() { ::close(wake); }
+  ~State() {
+    frames.command(CaptureCommand::Stop);
+    child.wait();
+    ::close(wake);
+  }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   void supervise();
+  [[nodiscard]] Reader reader() const;
   void wait(std::chrono::nanoseconds at_most);
   void set_trouble(std::string text) {
     const std::lock_guard lock(mutex);
@@ -168,6 +181,15 @@ pid_t CaptureProcess::process() const noexcept {
   return state_->child.pid();
 }
 
+Reader CaptureProcess::State::reader() const {
+  if (!child.running()) return Reader::Gone;
+  switch (frames.state()) {
+    case CaptureState::Opening: return Reader::Opening;
+    case CaptureState::Waiting: return Reader::Waiting;
+    default: return Reader::Streaming;
+  }
+}
+
 void CaptureProcess::State::supervise() {
   const auto now = clock->now();
   std::string how;
@@ -175,21 +197,22 @@ void CaptureProcess::State::supervise() {
     set_trouble(info.uri + ": " + how);
     recovery.process_ended(now);
   }
-  if (child.running() && now - std::max(frames.last_alive(), started) > kHangs) {
+  const auto patience = frames.state() == CaptureState::Opening ? kHangsOpening : kHangs;
+  if (child.running() && now - std::max(frames.last_alive(), started) > patience) {
     set_trouble(info.uri + ": the capture process hangs and is started again");
     child.end();
     recovery.process_ended(now);
   }
-  const bool waiting = child.running() && frames.state() == CaptureState::Waiting && now - frames.last_alive() < 2s;
-  if (waiting) set_trouble(frames.trouble());
-  switch (recovery.step(now, child.running(), waiting)) {
+  const Reader seen = reader();
+  if (const std::string text = frames.trouble(); seen == Reader::Waiting && !text.empty()) set_trouble(text);
+  switch (recovery.step(now, seen)) {
     case Recovery::Step::None: return;
     case Recovery::Step::RestartStream: return frames.command(CaptureCommand::RestartStream);
     case Recovery::Step::ResetDevice: return frames.command(CaptureCommand::ResetDevice);
     case Recovery::Step::Reopen: return frames.command(CaptureCommand::Reopen);
     case Recovery::Step::RestartProcess: break;
   }
-  if (child.running()) set_trouble(info.uri + ": the capture process hangs and is started again");
+  if (seen == Reader::Streaming) set_trouble(info.uri + ": no frame comes; the capture process is started again");
   child.end();
   frames.clear();
   if (ever_started) restarts.fetch_add(1, std::memory_order_relaxed);

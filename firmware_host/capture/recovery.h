@@ -6,11 +6,22 @@
 
 namespace armature {
 
+/// How far the process that reads the sensor has come.
+enum class Reader : std::uint8_t {
+  Gone,
+  Opening,    ///< in the device library, which may take its time
+  Waiting,    ///< no device that opens; it looks for one
+  Streaming,  ///< frames come, or should
+};
+
 /// What to try next with a sensor that is silent, and when: gentle first, harder later, never giving up.
 ///
 ///     silence    0.5 s         1.2 s        2.2 s    3.5 s             and then, each after a longer pause up to 2 s
 ///     step       restart the   reset the    reopen   restart the       restart the process
 ///                stream        USB device   it       process
+///
+/// A process that opens a device is left alone. One that finds none that opens is restarted after 10 s, then after 20,
+/// 40, 60 and every 60 s, for a library that has lost its way.
 ///
 /// A pure function of the times it is told. Thread-safe: no. Realtime-safe: yes.
 class Recovery {
@@ -22,6 +33,7 @@ class Recovery {
   void frame(Time now) noexcept {
     silent_since_ = now;
     tried_ = 0;
+    waits_ = 0;
   }
   /// The process is gone. It is started again after a pause that doubles from 100 ms to 2 s while no frame comes.
   void process_ended(Time now) noexcept {
@@ -30,19 +42,24 @@ class Recovery {
   }
   void process_started(Time now) noexcept {
     silent_since_ = now;
+    waiting_since_ = now;
     last_start_ = now;
     tried_ = tried_ < kProcess ? 0 : tried_ + 1;
     due_ = now + kPatience;
   }
 
-  /// What is due now; each step once. `waiting`: the process says that there is no device to open, and looks for one.
-  [[nodiscard]] Step step(Time now, bool running, bool waiting) noexcept {
+  /// What is due now; each step once.
+  [[nodiscard]] Step step(Time now, Reader reader) noexcept {
     using namespace std::chrono_literals;
-    if (!running) return now >= due_ ? Step::RestartProcess : Step::None;
-    if (waiting) {
+    if (reader == Reader::Gone) return now >= due_ ? Step::RestartProcess : Step::None;
+    if (reader != Reader::Streaming) {
       silent_since_ = now;
-      return Step::None;
+      const Time patience = std::min<Time>(10s * (1 << std::min(waits_, 3)), 60s);
+      if (reader == Reader::Opening || now - waiting_since_ < patience) return Step::None;
+      ++waits_;
+      return Step::RestartProcess;
     }
+    waiting_since_ = now;
     const Time silent = now - silent_since_;
     if (tried_ >= kProcess) return silent > kPatience ? restart() : Step::None;
     if (tried_ == 0 && silent > 500ms) return next(Step::RestartStream);
@@ -68,8 +85,9 @@ class Recovery {
     return Step::RestartProcess;
   }
 
-  Time silent_since_{0}, due_{0}, last_start_{0};
+  Time silent_since_{0}, waiting_since_{0}, due_{0}, last_start_{0};
   int tried_ = 0;  // steps since the last frame; from kProcess on, starts of the process
+  int waits_ = 0;  // in vain, since the last frame
 };
 
 }  // namespace armature

@@ -15,6 +15,8 @@ using namespace std::chrono_literals;
 
 /// How often a device that is not there is looked for.
 constexpr auto kLookAgain = 300ms;
+/// How long a command may wait.
+constexpr auto kPatience = 100ms;
 
 class Capturing {
  public:
@@ -24,13 +26,17 @@ class Capturing {
   void run() {
     while (::getppid() == parent_) {
       frames_.alive(clock_.now());
+      frames_.set_state(CaptureState::Opening, "");
       auto source = open_in_this_process(uri_, {.pacing = Pacing::RealTime});
+      frames_.alive(clock_.now());
       if (!source) {
         frames_.set_state(CaptureState::Waiting, source.error().message);
         std::this_thread::sleep_for(kLookAgain);
+        if (frames_.take_command() == CaptureCommand::Stop) break;
         continue;
       }
-      (void)frames_.take_command();  // meant for the stream before this one
+      // Any other was meant for the stream before this one.
+      if (frames_.take_command() == CaptureCommand::Stop) break;
       frames_.set_state(CaptureState::Streaming, "");
       if (stream(**source)) break;
     }
@@ -41,9 +47,10 @@ class Capturing {
   bool stream(DepthSource& source) {
     DepthFrame frame;
     std::uint32_t shown = 0;
-    while (::getppid() == parent_) {
+    bool asked_to_stop = false;
+    while (!asked_to_stop && ::getppid() == parent_) {
       frames_.alive(clock_.now());
-      const auto status = source.read(frame, 100ms);
+      const auto status = source.read(frame, kPatience);
       if (!status) {
         frames_.set_state(CaptureState::Waiting, status.error().message);
         std::this_thread::sleep_for(kLookAgain);
@@ -53,7 +60,8 @@ class Capturing {
       if (*status == ReadStatus::EndOfStream) {
         frames_.set_state(CaptureState::Ended, "");
         wake_reader();
-        while (::getppid() == parent_) std::this_thread::sleep_for(100ms);
+        while (::getppid() == parent_ && frames_.take_command() != CaptureCommand::Stop)
+          std::this_thread::sleep_for(kPatience);
         return true;
       }
       if (const std::uint32_t light = frames_.shown(); light != shown) {
@@ -67,8 +75,10 @@ class Capturing {
           break;
         case CaptureCommand::ResetDevice: (void)source.recover(RecoverBy::ResettingDevice); return false;
         case CaptureCommand::Reopen: return false;
+        case CaptureCommand::Stop: asked_to_stop = true; break;
       }
     }
+    if (shown != 0) source.show(StatusLight::Off);
     return true;
   }
 
@@ -87,9 +97,13 @@ class Capturing {
 }  // namespace
 
 int run_capture(std::string_view uri, int frames_descriptor, int wake_descriptor) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // When our parent is gone, or the thread of it that started us, there is a second to turn the light off and go.
+  ::signal(SIGUSR1, [](int) { ::alarm(1); });
+  ::prctl(PR_SET_PDEATHSIG, SIGUSR1);
   ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGINT, SIG_IGN);  // Ctrl-C is for our parent, which ends us
+  // Both are for our parent, which ends us once the sensor's light is off.
+  ::signal(SIGINT, SIG_IGN);
+  ::signal(SIGTERM, SIG_IGN);
   auto frames = SharedFrames::attach(frames_descriptor);
   if (!frames) return 2;
   Capturing(uri, std::move(*frames), wake_descriptor).run();

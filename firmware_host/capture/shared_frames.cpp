@@ -56,24 +56,26 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<dou
 
 Expected<SharedFrames> SharedFrames::create() {
   const int descriptor = ::memfd_create("armature-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  if (descriptor < 0 || ::ftruncate(descriptor, sizeof(Layout)) != 0) {
-    return fail(std::string("shared memory for frames: ") + std::strerror(errno));
-  }
+  SharedFrames frames(descriptor, nullptr);  // closes it where anything fails
+  const auto complain = [] { return fail(std::string("shared memory for frames: ") + std::strerror(errno)); };
+  if (descriptor < 0 || ::ftruncate(descriptor, sizeof(Layout)) != 0) return complain();
   // Neither side can make it smaller under the other's feet.
   ::fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
   void* memory = ::mmap(nullptr, sizeof(Layout), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
-  if (memory == MAP_FAILED) return fail(std::string("shared memory for frames: ") + std::strerror(errno));
-  return SharedFrames(descriptor, new (memory) Layout);
+  if (memory == MAP_FAILED) return complain();
+  frames.layout_ = new (memory) Layout;
+  return frames;
 }
 
 Expected<SharedFrames> SharedFrames::attach(int descriptor) {
+  SharedFrames frames(descriptor, nullptr);  // closes it where anything fails
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || status.st_size != static_cast<off_t>(sizeof(Layout))) {
     return fail("shared memory for frames: descriptor " + std::to_string(descriptor) + " holds something else");
   }
   void* memory = ::mmap(nullptr, sizeof(Layout), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
   if (memory == MAP_FAILED) return fail(std::string("shared memory for frames: ") + std::strerror(errno));
-  SharedFrames frames(descriptor, static_cast<Layout*>(memory));
+  frames.layout_ = static_cast<Layout*>(memory);
   if (frames.layout_->magic != kMagic) return fail("shared memory for frames: of another version");
   return frames;
 }

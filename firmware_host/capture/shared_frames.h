@@ -14,7 +14,7 @@ namespace armature {
 /// How far the process that captures has come.
 enum class CaptureState : std::uint32_t { Opening, Streaming, Waiting, Ended };
 /// What its supervisor asks of it.
-enum class CaptureCommand : std::uint32_t { None, RestartStream, ResetDevice, Reopen };
+enum class CaptureCommand : std::uint32_t { None, RestartStream, ResetDevice, Reopen, Stop };
 
 /// Frames in memory that two processes share: one writes, one reads the newest, neither waits. Each slot has a version
 /// that is odd while it is being written; the reader copies and believes the copy only if the version did not change.
@@ -26,7 +26,7 @@ class SharedFrames {
 
   /// New memory without a name; `descriptor()` is what to hand to the other process.
   [[nodiscard]] static Expected<SharedFrames> create();
-  /// The other side's view. Fails where the descriptor holds anything else.
+  /// The other side's view; the descriptor is ours from here on. Fails where it holds anything else.
   [[nodiscard]] static Expected<SharedFrames> attach(int descriptor);
   ~SharedFrames();
   SharedFrames(SharedFrames&& other) noexcept;

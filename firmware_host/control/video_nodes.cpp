@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kY10b = v4l2_fourcc('Y', '1', '0', 'B');
-
 std::string text_of(const __u8* text) {
   return reinterpret_cast<const char*>(text);
 }
@@ -32,13 +30,13 @@ bool sends_depth(int descriptor, VideoNode& node) {
   offered.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   for (; ::ioctl(descriptor, VIDIOC_ENUM_FMT, &offered) == 0; ++offered.index) {
     if (offered.pixelformat == V4L2_PIX_FMT_Z16) node.format = "Z16";
-    if (offered.pixelformat == kY10b) node.format = "Y10B";
+    if (offered.pixelformat == V4L2_PIX_FMT_Y10BPACK) node.format = "Y10B";
   }
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (node.format.empty() && ::ioctl(descriptor, VIDIOC_G_FMT, &format) == 0) {
     if (format.fmt.pix.pixelformat == V4L2_PIX_FMT_Z16) node.format = "Z16";
-    if (format.fmt.pix.pixelformat == kY10b) node.format = "Y10B";
+    if (format.fmt.pix.pixelformat == V4L2_PIX_FMT_Y10BPACK) node.format = "Y10B";
   }
   return !node.format.empty();
 }

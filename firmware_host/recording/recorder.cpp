@@ -118,10 +118,11 @@ struct Recorder::State {
   std::uint64_t frames = 0;
   std::chrono::nanoseconds first_time{0};
   std::chrono::nanoseconds last_time{0};
+  bool made = false;  // the file is ours
 
   ~State() {
     close();
-    if (!temporary.empty() && temporary != path) {
+    if (made && !temporary.empty() && (temporary != path || frames == 0)) {
       std::error_code ignored;
       std::filesystem::remove(temporary, ignored);
       std::filesystem::remove(sidecar_path(temporary), ignored);
@@ -141,6 +142,7 @@ struct Recorder::State {
     const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) return fail(name + ": cannot be written: " + std::strerror(errno));
     ::close(descriptor);
+    made = true;
 
     static std::atomic<unsigned> serial{0};
     const Intrinsics& k = facts.intrinsics;
@@ -194,7 +196,8 @@ Expected<Recorder> Recorder::create(std::filesystem::path path, const RecordingF
   state->temporary = in_place ? path : temporary_path(path);
   if (in_place) {
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    if (std::filesystem::exists(std::filesystem::symlink_status(path, ignored)))
+      return fail(path.string() + ": is there already, and a live source is recorded in place: name another file");
     if (auto written = write_text(sidecar_path(path), format_sidecar(facts)); !written)
       return tl::unexpected(written.error());
   }

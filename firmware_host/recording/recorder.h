@@ -24,7 +24,7 @@ class Recorder {
  public:
   /// `path` should end in `.oni`. An existing recording is replaced, by finish().
   /// `in_place`: under its own name from the beginning, so that what a killed process leaves replays up to its last
-  /// complete frame; an unfinished recording then stays where append() or finish() fails.
+  /// complete frame; an unfinished recording then stays where append() or finish() fails. Fails where `path` exists.
   [[nodiscard]] static Expected<Recorder> create(std::filesystem::path path, const RecordingFacts& facts,
                                                  bool in_place = false);
 

@@ -21,6 +21,11 @@ constexpr std::uintmax_t kMaxFileBytes = 1 << 20;
 constexpr std::string_view kBlank = " \t\r";
 
 Expected<std::string> read_text(const std::filesystem::path& file) {
+  if (::access(file.c_str(), R_OK) != 0 && errno == EACCES) {
+    return fail(file.string() +
+                ": this user may not read it; for the installed daemon run `systemd-tmpfiles --create armature.conf` "
+                "as root, else give it the reader's group (chgrp, chmod 640)");
+  }
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
     return fail(file.string() + ": no such file; `armature keys new` and `armature keys allow` make one");
@@ -71,9 +76,12 @@ bool is_key(std::string_view key) noexcept {
 
 Expected<KeyPair> make_key_pair() {
   std::array<char, kKeyLength + 1> open{}, secret{};
-  if (zmq_curve_keypair(open.data(), secret.data()) != 0) {
-    return fail("keys: this libzmq has no CURVE; install Debian's libzmq5");
-  }
+  // A key that began with '-' would be taken for an option, one with '#' for a comment.
+  do {
+    if (zmq_curve_keypair(open.data(), secret.data()) != 0) {
+      return fail("keys: this libzmq has no CURVE; install Debian's libzmq5");
+    }
+  } while (open.front() == '-' || open.front() == '#');
   return KeyPair{open.data(), secret.data()};
 }
 
@@ -129,16 +137,20 @@ Expected<void> allow_key(const std::filesystem::path& file, const AllowedKey& ke
   if (!is_key(key.public_key)) return fail("key '" + key.public_key + "': expected 40 characters of Z85");
   if (key.name.find_first_of("#\n\r") != std::string::npos) return fail("name: expected one line without '#'");
   std::error_code error;
+  bool last_line_ended = true;
   if (std::filesystem::exists(file, error)) {
-    const auto list = read_allow_list(file);
+    const auto text = read_text(file);
+    if (!text) return tl::unexpected(text.error());
+    const auto list = parse_allow_list(*text, file.string());
     if (!list) return tl::unexpected(list.error());
+    last_line_ended = text->empty() || text->back() == '\n';
     for (const AllowedKey& known : *list) {
       if (known.public_key == key.public_key) {
         return fail(file.string() + ": this key is listed already, as '" + known.name + "'");
       }
     }
   }
-  return write_all(file, O_APPEND, 0640, key.public_key + " " + key.name + "\n");
+  return write_all(file, O_APPEND, 0640, (last_line_ended ? "" : "\n") + key.public_key + " " + key.name + "\n");
 }
 
 }  // namespace armature::navproto

@@ -138,5 +138,18 @@ TEST_F(KinectTest, HotplugUnderAProcessOfItsOwnStopsAndComesBack) {
   }
 }
 
+TEST_F(KinectTest, ItsLightIsOffWhenNobodyReadsIt) {
+  kinect_.plug_in();
+  {
+    auto source = open_depth_source("freenect:0", {.wait_for_device = 20s});
+    ASSERT_TRUE(source) << source.error().message;
+    (*source)->show(StatusLight::Engaged);
+    DepthFrame frame;
+    for (int i = 0; i < 100 && kinect_.light() != 1; ++i) (void)frame_within(**source, frame, 50ms);
+    ASSERT_EQ(kinect_.light(), 1);
+  }
+  EXPECT_EQ(kinect_.light(), 0);
+}
+
 }  // namespace
 }  // namespace armature

@@ -70,6 +70,11 @@ class EmulatedCamera {
     umockdev_testbed_remove_device(bus_.testbed(), "/sys/devices/video0");
     ::unlink(node_.c_str());
   }
+  /// Takes so long to say what it is.
+  void answer_after(std::chrono::milliseconds slowness) {
+    const std::lock_guard lock(mutex_);
+    slowness_ = slowness;
+  }
   void tear_next() {
     const std::lock_guard lock(mutex_);
     tear_ = true;
@@ -96,6 +101,7 @@ class EmulatedCamera {
     };
     switch (umockdev_ioctl_client_get_request(client)) {
       case VIDIOC_QUERYCAP:
+        std::this_thread::sleep_for(slowness_);
         return with(v4l2_capability{}, [&](v4l2_capability& c) {
           std::memset(&c, 0, sizeof c);
           std::memcpy(c.card, card_.c_str(), std::min(card_.size(), sizeof c.card - 1));
@@ -187,6 +193,7 @@ class EmulatedCamera {
   std::mutex mutex_;
   std::deque<__u32> queued_;
   bool gone_ = true, streaming_ = false, tear_ = false;
+  std::chrono::milliseconds slowness_{0};
   int sent_ = 0;
   std::chrono::steady_clock::time_point next_;
 };
@@ -227,6 +234,32 @@ TEST_F(V4l2Test, ACameraOfMillimetresComesWithItsTimeAndItsModelsFocalLength) {
     EXPECT_EQ(frame.sensor.time, 100s + n * 16'666us);
     EXPECT_EQ(frame.sensor.clock, ClockId::HostMonotonic);
   }
+}
+
+TEST_F(V4l2Test, ACamerasOwnUnitBecomesMillimetres) {
+  for (const auto& [name, unit_mm] : {std::pair("Intel RealSense D405", 0.1), std::pair("Intel RealSense SR300", 0.125),
+                                      std::pair("Intel RealSense SR305", 0.125)}) {
+    EmulatedCamera camera(bus_, kZ16, name);
+    camera.plug_in();
+    {
+      auto source = open_v4l2("/dev/video0", {});
+      ASSERT_TRUE(source) << source.error().message;
+      DepthFrame frame;
+      ASSERT_TRUE(frame_within(**source, frame, 5s));
+      EXPECT_EQ(frame.depth_mm.front(), std::lround(1000 * unit_mm)) << name;
+      EXPECT_EQ(frame.depth_mm.back(), frame.depth_mm.front());
+    }
+    camera.unplug();
+  }
+}
+
+TEST_F(V4l2Test, ACameraThatOpensSlowlyIsWaitedFor) {
+  EmulatedCamera camera(bus_, kZ16, "D435");
+  camera.answer_after(2500ms);
+  camera.plug_in();
+  auto source = open_depth_source("v4l2:/dev/video0", {.wait_for_device = 20s});
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->health().restarts, 0U);
 }
 
 TEST_F(V4l2Test, TheKinectsKernelDriverSendsPackedDisparities) {

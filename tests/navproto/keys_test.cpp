@@ -6,6 +6,7 @@
 #include <armature/navproto/subscriber.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/navproto/sample_messages.h"
 #include "tests/support/temporary_directory.h"
@@ -66,6 +67,39 @@ TEST(AllowList, GrowsByALine) {
   EXPECT_FALSE(allow_key(file, wall));
   ASSERT_TRUE(allow_key(file, {new_keys().public_key, "desk"}));
   EXPECT_EQ(read_allow_list(file)->size(), 2U);
+}
+
+TEST(AllowList, GrowsByALineThoughTheLastOneHasNoEnd) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "allow";
+  std::ofstream(file) << new_keys().public_key << " wall";
+  ASSERT_TRUE(allow_key(file, {new_keys().public_key, "desk"}));
+  const auto list = read_allow_list(file);
+  ASSERT_TRUE(list) << list.error().message;
+  ASSERT_EQ(list->size(), 2U);
+  EXPECT_EQ(list->front().name, "wall");
+}
+
+TEST(Keys, AreNeverTakenForAnOptionOrAComment) {
+  for (int i = 0; i < 300; ++i) {
+    const char first = new_keys().public_key.front();
+    EXPECT_TRUE(first != '-' && first != '#');
+  }
+}
+
+TEST(Keys, ThatThisUserMayNotReadSayHowHeMay) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file to somebody else";
+  const test::TemporaryDirectory directory;
+  std::filesystem::permissions(directory.path(), std::filesystem::perms(0755));
+  const auto file = directory.path() / "kiosk.key";
+  ASSERT_TRUE(write_key_pair(file, new_keys()));
+  // access() asks for the real user.
+  ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  const auto read = read_key_pair(file);
+  ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("systemd-tmpfiles --create armature.conf"), std::string::npos)
+      << read.error().message;
 }
 
 TEST(Curve, LetsInWhoIsListedAndSendsStrangersAway) {

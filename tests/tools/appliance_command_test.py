@@ -115,6 +115,9 @@ class Record(unittest.TestCase):
             finally:
                 daemon.terminate()
                 daemon.wait()
+            kept = out.read_bytes()
+            refused = run("record", "process:fakenect:nowhere", out)
+            self.assertEqual((refused.returncode, out.read_bytes()), (1, kept), "never overwritten")
             again = run("record", f"oni:{out}", Path(folder, "again.oni"), "--json")
             self.assertEqual(again.returncode, 0, again.stderr)
             self.assertGreater(json.loads(again.stdout)["frames"], 10)

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "tracker/daemon/daemon_state.h"
 #include "tracker/daemon/security.h"
@@ -26,7 +27,7 @@ constexpr auto kVersion = ARMATURE_VERSION;
 std::uint64_t resident_bytes() {
   std::uint64_t pages_in_all = 0, resident_pages = 0;
   std::ifstream("/proc/self/statm") >> pages_in_all >> resident_pages;
-  return resident_pages * 4096;
+  return resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 std::chrono::nanoseconds silence_of(const SourceInfo& info) {
@@ -137,9 +138,10 @@ void Daemon::State::track(const DepthFrame& frame) {
   const bool sent = publisher.publish_navigation(navigation);
   if (sent && options.published) options.published(navigation);
   if (!sent) {
-    spdlog::error("frame {}: its message contradicts itself and was not published; the camera is stopped",
-                  output.sequence);
     stop_camera(wire::StopReason::SourceFailed);
+    say(wire::EventKind::Warning,
+        fmt::format("frame {}: its message contradicts itself and was not published; the camera is stopped",
+                    output.sequence));
   }
   last_frame = options.clock->now();
   latency.add(last_frame - received);

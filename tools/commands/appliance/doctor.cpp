@@ -74,7 +74,8 @@ void look_at_sensors(Findings& findings) {
     if (!sensor.problem.empty()) {
       findings.bad(
           "permission", what + ": " + sensor.problem,
-          "install udev/60-armature.rules in /etc/udev/rules.d, run `udevadm control --reload`, plug it in again");
+          "join the group 'armature' of the package's udev rules, or without the package: copy "
+          "tracker/daemon/60-armature.rules to /etc/udev/rules.d, run `udevadm control --reload`, plug it in again");
       continue;
     }
     if (sensor.speed_mbit > 0 && sensor.speed_mbit < 480) {
