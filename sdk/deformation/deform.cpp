@@ -5,6 +5,8 @@
 #include <armature/sdk/deformation/skinned_level.h>
 #include <armature/sdk/deformation/sphere_weights.h>
 
+#include "sdk/deformation/in_range.h"
+
 namespace armature::sdk {
 
 Expected<void> check_same(const Mesh& mesh, const Hierarchy& hierarchy) {
@@ -43,7 +45,7 @@ Expected<Mesh> deform(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t 
   Mesh deformed = mesh;
   level.move(motions, options.blend, deformed.positions);
   for (std::size_t v = 0; v < deformed.positions.size(); ++v)
-    if (!deformed.positions[v].allFinite())
+    if (!in_range(deformed.positions[v]))
       return fail("the moves take vertex " + std::to_string(v) + " out of range; use smaller numbers");
   return deformed;
 }

@@ -205,14 +205,17 @@ Sphere Refit::best_sphere(NodeId node, const Region& region, const std::vector<V
   const Sphere was = hierarchy_->sphere(node);
   const RegionFrame& frame = region.frame;
   if (!region.moved) return was;
-  if (hierarchy_->is_leaf(node) || holds_pinned(node) || !(region.sums.weight() > 0))
-    return {frame.now + frame.turn * (frame.scale * (was.centre - frame.before)), frame.scale * was.radius};
+  const Sphere carried{frame.now + frame.turn * (frame.scale * (was.centre - frame.before)), frame.scale * was.radius};
+  if (hierarchy_->is_leaf(node) || holds_pinned(node) || !(region.sums.weight() > 0)) return carried;
   const HierarchyOptions options;
-  const auto bound = [&] { return options.radius_per_width * smallest_extent(node, region, now); };
+  const auto bound = [&] {
+    return std::max(carried.radius, options.radius_per_width * smallest_extent(node, region, now));
+  };
   // No width is less than twice the standard deviation along it, and most radii are far from their bound.
   const double least_variance =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(region.spread, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  const double surely_allowed = options.radius_per_width * 2 * std::sqrt(std::max(0.0, least_variance));
+  const double surely_allowed =
+      std::max(carried.radius, options.radius_per_width * 2 * std::sqrt(std::max(0.0, least_variance)));
   const SphericalQuadric quadric = region.sums.quadric(options.regularise);
   SphereFit fit = minimum_of(quadric, Vector3d::Zero(), Vector3d::Zero(), 0,
                              [] { return std::numeric_limits<double>::infinity(); });

@@ -4,6 +4,8 @@
 
 #include <armature/sdk/deformation/session.h>
 
+#include "sdk/deformation/in_range.h"
+
 namespace armature::sdk {
 namespace {
 
@@ -138,7 +140,7 @@ Expected<void> DeformationSession::preview(const SphereMove& move, const MoveOpt
       cancel();
       return moved;
     }
-  if (!std::ranges::all_of(positions_, [](const Vector3d& p) { return p.allFinite(); })) {
+  if (!std::ranges::all_of(positions_, in_range)) {
     cancel();
     return fail("the move takes vertices out of range; use smaller numbers");
   }
@@ -159,6 +161,7 @@ Expected<void> DeformationSession::move_surface(const SphereMove& move, std::spa
     };
     for (const auto& [a, b] : shape_.edges) join(a, b);
     for (const auto& [a, b, c] : shape_.triangles) join(a, b), join(b, c), join(c, a);
+    if (wider == near) break;
     near = std::move(wider);
   }
   std::vector<bool> free(nodes_.size());

@@ -188,12 +188,13 @@ class SphereMeshDeform(unittest.TestCase):
                                       mesh=broken, hierarchy=hierarchy)
             self.assertTrue(all(math.isfinite(c) for p in deformed for c in p))
 
-    def session(self, steps):
+    def session(self, steps, mesh=None, out="session.off", spheres="fit.ma"):
         text = self.here / "session.txt"
-        text.write_text(steps)
-        out = self.here / "session.off"
-        return run("spheremesh", "session", self.mesh, self.hierarchy, text, out, "--spheres", self.here / "fit.ma",
-                   "--json"), out
+        if not text.is_dir():
+            text.write_text(steps)
+        out = self.here / out
+        return run("spheremesh", "session", mesh or self.mesh, self.hierarchy, text, out, "--spheres",
+                   self.here / spheres, "--json"), out
 
     def test_a_session_of_one_move_is_that_move(self):
         move = {"spheres": [3, 4], "translate": [0, 0, 1], "rotate": [0, 0.5, 0], "about": [0, 0, 0]}
@@ -214,6 +215,38 @@ class SphereMeshDeform(unittest.TestCase):
             for word in ["session.txt", *words]:
                 self.assertIn(word, result.stderr)
             self.assertFalse(out.exists())
+
+    def test_sessions_refuse_files_that_do_not_fit_before_any_work(self):
+        other, _ = self.build("creature", 2)
+        result, _ = self.session("armature deformation 1\n", mesh=other)
+        self.assertEqual(result.returncode, 1)
+        for word in (str(self.hierarchy), str(other), "another mesh", "spheremesh build --hierarchy"):
+            self.assertIn(word, result.stderr)
+        nowhere = self.here / "nowhere.off"
+        for names, words in (({"out": "out.stl"}, ["OUT", ".ply, .obj or .off"]),
+                             ({"spheres": "fit.off"}, ["--spheres", ".ma, .ply or .urdf"])):
+            result, out = self.session("armature deformation 1\n", mesh=nowhere, **names)
+            self.assertEqual(result.returncode, 2)
+            for word in words:
+                self.assertIn(word, result.stderr)
+            self.assertFalse(out.exists())
+        (self.here / "session.txt").unlink()
+        (self.here / "session.txt").mkdir()
+        result, out = self.session("")
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr.count("\n"), 1)
+        self.assertIn("session.txt: cannot be read; expected a deformation session", result.stderr)
+        self.assertFalse(out.exists())
+
+    def test_the_benchmark_measures_any_level(self):
+        for spheres in (2, 300):
+            result = run("bench", "deform", self.mesh, "--spheres", spheres, "--rounds", 1, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            said = {line["measure"]: line["value"] for line in map(json.loads, result.stdout.splitlines())}
+            self.assertTrue({"finer", "coarser at most", "first level", "refit"} <= said.keys())
+            for measure, value in said.items():
+                self.assertIsInstance(value, (int, float), measure)
+                self.assertTrue(math.isfinite(value), measure)
 
 
 if __name__ == "__main__":

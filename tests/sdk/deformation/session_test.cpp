@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +20,20 @@ struct Tube {
   Tube() : mesh(tubes::tube(10, 0.6, 0.04, 32, 160)), hierarchy(build_hierarchy(mesh).value().hierarchy) {}
   [[nodiscard]] DeformationSession session(std::size_t level) const {
     return DeformationSession::start(mesh, hierarchy, level).value();
+  }
+  /// How far a sphere is from the planes of the faces within a region, squared and times their areas.
+  [[nodiscard]] double error(NodeId node, std::span<const Vector3d> positions, const Sphere& sphere) const {
+    const auto [begin, end] = hierarchy.range(node);
+    double sum = 0;
+    for (const Triangle& corners : mesh.triangles) {
+      if (!std::ranges::all_of(corners,
+                               [&](VertexId v) { return begin <= hierarchy.place(v) && hierarchy.place(v) < end; }))
+        continue;
+      const Vector3d& a = positions[corners[0].index()];
+      const Vector3d cross = (positions[corners[1].index()] - a).cross(positions[corners[2].index()] - a);
+      sum += std::pow(cross.normalized().dot(a - sphere.centre) - sphere.radius, 2) * cross.norm() / 2;
+    }
+    return sum;
   }
   Mesh mesh;
   Hierarchy hierarchy;
@@ -77,20 +94,24 @@ TEST(DeformationSession, FitsTheSpheresToWhatWasDeformedAtEveryLevel) {
   const double radius = session.shape().spheres[fat[0].index()].radius;
   for (const SphereId sphere : fat) ASSERT_TRUE(session.move({.spheres = {sphere}, .radius = 1.6 * radius}));
   bend(session);
+  const Refit refit(tube.mesh, tube.hierarchy);
   for (const std::size_t level : {8, 5, 20, 8}) {
     ASSERT_TRUE(session.go_to(level));
     double widest = 0;
     for (const Sphere& sphere : session.shape().spheres) widest = std::max(widest, sphere.radius);
     EXPECT_GT(widest, 1.25 * radius) << level;
-    // Their own vertices lie about them.
-    const auto& hierarchy = tube.hierarchy;
+    // Nearer to the planes of their faces than where rigid motions of the regions would take them.
+    double fitted = 0;
+    double carried = 0;
     for (std::size_t s = 0; s < level; ++s) {
-      Vector3d mean = Vector3d::Zero();
-      const auto own = hierarchy.vertices(session.nodes()[s]);
-      for (const VertexId v : own) mean += session.positions()[v.index()];
-      mean /= static_cast<double>(own.size());
-      EXPECT_LT((mean - session.shape().spheres[s].centre).norm(), 1.5) << level;
+      const NodeId node = session.nodes()[s];
+      const Sphere was = tube.hierarchy.sphere(node);
+      const RegionFrame frame = refit.frame(node, session.positions());
+      const Sphere gone{frame.now + frame.turn * (frame.scale * (was.centre - frame.before)), frame.scale * was.radius};
+      fitted += tube.error(node, session.positions(), session.shape().spheres[s]);
+      carried += tube.error(node, session.positions(), gone);
     }
+    EXPECT_LT(fitted, carried) << level;
   }
 }
 
@@ -187,9 +208,9 @@ TEST(DeformationSession, EditsSeveralSpheresInTheFrameOfTheSphereAboveThem) {
 
 TEST(DeformationSession, PinnedSpheresStayAtEveryLevel) {
   const Tube tube;
-  auto session = tube.session(40);
+  auto session = tube.session(4);
   std::size_t pinned = 0;
-  for (std::size_t s = 0; s < 40; ++s)
+  for (std::size_t s = 0; s < 4; ++s)
     if (session.shape().spheres[s].centre.x() > session.shape().spheres[pinned].centre.x()) pinned = s;
   const auto weights = session.weights().of_sphere(pinned);
   const auto lift_all = [&] {
@@ -201,7 +222,7 @@ TEST(DeformationSession, PinnedSpheresStayAtEveryLevel) {
   ASSERT_TRUE(session.pin(pins));
   EXPECT_TRUE(session.is_pinned(SphereId(pinned)));
   lift_all();
-  ASSERT_TRUE(session.go_to(5));
+  ASSERT_TRUE(session.go_to(2));
   lift_all();
   ASSERT_TRUE(session.go_to(200));
   EXPECT_FALSE(spheres_where(session, [](const Sphere&) { return true; }).empty());
@@ -209,9 +230,18 @@ TEST(DeformationSession, PinnedSpheresStayAtEveryLevel) {
   for (std::size_t s = 0; s < 200; ++s) held += session.is_pinned(SphereId(s)) ? 1 : 0;
   EXPECT_GT(held, 0U) << "parts of what is pinned are pinned";
   // At the level where it was pinned and at a coarser one the mesh was lifted by 1, but for the pin's share.
-  for (std::size_t v = 0; v < weights.size(); ++v)
-    EXPECT_NEAR(session.positions()[v].y() - tube.mesh.positions[v].y(), 2 * (1 - weights[v]), 0.05);
-  ASSERT_TRUE(session.go_to(40));
+  std::size_t whole = 0;
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    const double lifted = session.positions()[v].y() - tube.mesh.positions[v].y();
+    // What is cut off weights depends on the level.
+    EXPECT_NEAR(lifted, 2 * (1 - weights[v]), 2.0 * static_cast<double>(SphereWeights::kCut));
+    if (weights[v] == 1) {
+      EXPECT_LT(std::abs(lifted), 1e-6);
+      ++whole;
+    }
+  }
+  EXPECT_GT(whole, 10U);
+  ASSERT_TRUE(session.go_to(4));
   ASSERT_TRUE(session.pin(pins, false));
   EXPECT_FALSE(session.is_pinned(SphereId(pinned)));
   ASSERT_TRUE(session.undo());
@@ -253,6 +283,24 @@ TEST(DeformationSession, ASurfaceFollowsItsFineSpheresAsRigidlyAsPossible) {
   auto again = tube.session(2);
   ASSERT_TRUE(again.replay(session.text(), "again.txt"));
   EXPECT_EQ(positions(again), pulled.positions);
+}
+
+TEST(DeformationSession, MovesASurfaceOfOneSphereOrOfManyMoreEdgesThanThereAre) {
+  const Tube tube;
+  auto session = tube.session(1);
+  const std::vector<SphereId> first = {SphereId(0)};
+  for (const std::size_t rings : {std::size_t{1}, std::numeric_limits<std::size_t>::max()}) {
+    // There is nothing around the only sphere.
+    ASSERT_TRUE(session.go_to(1));
+    ASSERT_TRUE(session.preview({.spheres = first, .translate = {1, 2, 3}}, {.surface_rings = rings}));
+    for (std::size_t v = 0; v < tube.mesh.positions.size(); ++v)
+      EXPECT_LT((session.positions()[v] - tube.mesh.positions[v] - Vector3d(1, 2, 3)).norm(), 1e-12);
+    // The others all follow, whatever is left of them.
+    ASSERT_TRUE(session.go_to(6));
+    ASSERT_TRUE(session.preview({.spheres = first, .translate = {0, 0, 0.1}}, {.surface_rings = rings}));
+    for (const VertexId v : tube.hierarchy.vertices(session.nodes()[0]))
+      EXPECT_LT((session.positions()[v.index()] - tube.mesh.positions[v.index()] - Vector3d(0, 0, 0.1)).norm(), 1e-12);
+  }
 }
 
 TEST(AsRigidAsPossible, FindsARigidMotionWhereThatIsPossible) {
@@ -331,6 +379,12 @@ TEST(DeformationSession, RefusesWhatDeformRefuses) {
   EXPECT_FALSE(session.go_to(0));
   EXPECT_FALSE(session.preview({.spheres = {SphereId(4)}}));
   EXPECT_FALSE(session.move({.spheres = {SphereId(0)}, .translate = {std::nan(""), 0, 0}}));
+  for (const double far : {1e60, 1e200, 1e307}) {
+    const auto refused = session.preview({.spheres = {SphereId(0)}, .translate = {0, -2 * far, 0}});
+    ASSERT_FALSE(refused) << far;
+    EXPECT_EQ(refused.error().message, "the move takes vertices out of range; use smaller numbers");
+  }
+  EXPECT_FALSE(session.preview({.spheres = {SphereId(0)}, .radius = 1e200}));
   const std::vector<SphereId> none = {SphereId(9)};
   EXPECT_FALSE(session.pin(none));
   EXPECT_EQ(session.nodes().size(), 4U);

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -143,39 +145,69 @@ TEST(SphereWeights, AreLocal) {
   EXPECT_LT(static_cast<double>(entries) / static_cast<double>(rig.mesh.positions.size()), 3.5);
 }
 
-TEST(SphereWeights, OfSymmetricClustersAreSymmetric) {
-  // Two balls and a bridge, the mirror image of itself in x; the clusters are its halves.
-  Mesh mesh = tubes::tube(6, 1, 0);
-  std::vector<std::uint32_t> side;
-  for (Eigen::Vector3d& p : mesh.positions) {
-    side.push_back(p.x() < -1e-9 ? 0 : p.x() > 1e-9 ? 1 : 2);
-    const double thick = 0.5 + std::min(1.0, std::abs(p.x()) / 3) / 2;
-    p.y() *= thick;
-    p.z() *= thick;
-  }
-  const HeatDiffusion diffusion = HeatDiffusion::of(mesh).value();
-  const auto count = mesh.positions.size();
-  std::vector<VertexId> all;
-  std::vector<VertexId> left;
-  std::vector<VertexId> right;
-  for (std::size_t v = 0; v < count; ++v) {
-    all.emplace_back(v);
-    if (side[v] == 0) left.emplace_back(v);
-    if (side[v] == 1) right.emplace_back(v);
-  }
-  std::vector<double> of_left(count);
-  std::vector<double> of_right(count);
-  diffusion.diffuse(left, all, of_left);
-  diffusion.diffuse(right, all, of_right);
-  const auto mirrored = [&](std::size_t v) {
-    const Eigen::Vector3d there(-mesh.positions[v].x(), mesh.positions[v].y(), mesh.positions[v].z());
-    std::size_t nearest = 0;
-    for (std::size_t w = 0; w < count; ++w)
-      if ((mesh.positions[w] - there).norm() < (mesh.positions[nearest] - there).norm()) nearest = w;
-    return nearest;
+/// A hierarchy of a mesh in two halves of as many vertices, joined last: each is split into a half and a half again,
+/// and the second is joined as the first.
+Hierarchy in_halves(const Mesh& mesh, const std::vector<std::uint32_t>& first,
+                    const std::vector<std::uint32_t>& second) {
+  Hierarchy::Parts parts;
+  for (const Eigen::Vector3d& p : mesh.positions)
+    parts.leaves.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    parts.children.push_back({a, b});
+    parts.spheres.push_back({0, 0, 0, 1});
+    return static_cast<std::uint32_t>(mesh.positions.size() + parts.children.size() - 1);
   };
-  // The triangles' diagonals are not mirrored: what is left of them are the flips to Delaunay, in flat faces.
-  for (std::size_t v = 0; v < count; v += 7) EXPECT_NEAR(of_left[v], of_right[mirrored(v)], 1e-3);
+  const auto both = [&](auto&& self, std::size_t begin, std::size_t end) -> std::array<std::uint32_t, 2> {
+    if (end - begin == 1) return {first[begin], second[begin]};
+    const std::size_t middle = (begin + end) / 2;
+    const auto left = self(self, begin, middle);
+    const auto right = self(self, middle, end);
+    const std::uint32_t of_first = join(left[0], right[0]);
+    return {of_first, join(left[1], right[1])};
+  };
+  const auto [a, b] = both(both, 0, first.size());
+  join(a, b);
+  parts.lasting.assign(parts.children.size() + 1, 0);
+  return Hierarchy::assemble(std::move(parts)).value();
+}
+
+TEST(SphereWeights, OfSymmetricClustersAreSymmetric) {
+  // Half a turn about z takes the mesh to itself, its triangles too; no vertex lies on the middle.
+  constexpr int kAround = 32;
+  constexpr int kAlong = 81;
+  const Mesh mesh = tubes::tube(6, 1, 0.05, kAround, kAlong);
+  const auto turned = [&](std::size_t v) -> std::size_t {
+    if (v == 0 || v + 1 == mesh.positions.size()) return mesh.positions.size() - 1 - v;
+    const std::size_t ring = (v - 1) / kAround;
+    const std::size_t place = (v - 1) % kAround;
+    return 1 + (kAlong - 2 - ring) * kAround + (kAround / 2 + kAround - place) % kAround;
+  };
+  std::vector<std::uint32_t> left;
+  std::vector<std::uint32_t> right;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Eigen::Vector3d& p = mesh.positions[v];
+    ASSERT_LT((mesh.positions[turned(v)] - Eigen::Vector3d(-p.x(), -p.y(), p.z())).norm(), 1e-12);
+    if (p.x() > 0) continue;
+    left.push_back(static_cast<std::uint32_t>(v));
+    right.push_back(static_cast<std::uint32_t>(turned(v)));
+  }
+  const Hierarchy hierarchy = in_halves(mesh, left, right);
+  const HeatDiffusion diffusion = HeatDiffusion::of(mesh).value();
+  SphereWeights weights(diffusion, hierarchy);
+  for (const std::size_t spheres : {2, 4, 8}) {
+    const auto nodes = hierarchy.nodes_of_level(spheres);
+    const SkinWeights skin = weights.of(nodes);
+    double most = 0;
+    for (std::size_t s = 0; s < spheres / 2; ++s) {
+      const auto here = skin.of_sphere(s);
+      const auto there = skin.of_sphere(s + spheres / 2);
+      for (std::size_t v = 0; v < here.size(); ++v) {
+        EXPECT_NEAR(here[v], there[turned(v)], 1e-6) << spheres << ' ' << s;
+        most = std::max(most, std::min(here[v], 1 - here[v]));
+      }
+    }
+    EXPECT_GT(most, 0.3) << "they blend";
+  }
 }
 
 TEST(SphereWeights, OfAStrayComponentAreThoseOfTheSphereThatStandsForIt) {

@@ -6,6 +6,7 @@
 #include <armature/sdk/selection/lasso.h>
 #include <gtest/gtest.h>
 
+#include "sdk/selection/flood.h"
 #include "tests/sdk/mesh/surfaces.h"
 
 namespace armature::sdk {
@@ -30,10 +31,6 @@ std::vector<Vector3d> circle(double radius, double z, int points = 40) {
     loop.emplace_back(radius * std::cos(turn), radius * std::sin(turn), z);
   }
   return loop;
-}
-
-Vector3d middle(const Mesh& mesh, FaceId face) {
-  return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
 }
 
 std::vector<FaceId> faces_where(const Mesh& mesh, const auto& wanted) {

@@ -49,6 +49,15 @@ double fastest(int rounds, F&& f) {
   return best;
 }
 
+/// The fastest of some rounds of each step, [steps]: their median and their slowest.
+struct StepTimes {
+  double median, slowest;
+  explicit StepTimes(std::vector<double> ms) : slowest(*std::ranges::max_element(ms)) {
+    std::ranges::nth_element(ms, ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2));
+    median = ms[ms.size() / 2];
+  }
+};
+
 /// One mesh, one measure a method.
 class DeformBench {
  public:
@@ -75,40 +84,44 @@ class DeformBench {
     Eigen::SparseMatrix<double> A = laplacian_.stiffness;
     for (Eigen::Index v = 0; v < A.rows(); ++v)
       A.coeffRef(v, v) += laplacian_.mass[v] > 0 ? laplacian_.mass[v] / (length * length) : 1;
-    factor_ms_ = fastest(rounds, [&] { (void)sdk::SparseFactor::of(A, mesh_.positions); });
+    const double factor_ms = fastest(rounds, [&] { (void)sdk::SparseFactor::of(A, mesh_.positions); });
     auto diffusion = ours(sdk::HeatDiffusion::of(mesh_));
     if (!diffusion) return fail(name_ + ": " + diffusion.error().message);
     diffusion_ = std::make_unique<sdk::HeatDiffusion>(std::move(*diffusion));
     return say("laplacian", laplacian_ms, "ms", "the intrinsic Delaunay Laplacian, once a mesh").and_then([&] {
-      return say("factor", factor_ms_, "ms", "L + lambda M, order included, once a mesh");
+      return say("factor", factor_ms, "ms", "L + lambda M, order included, once a mesh");
     });
   }
 
-  /// One level finer and one coarser, over levels 1 to 200.
+  /// One level finer and one coarser, over levels 1 to 200, and a level from nothing.
   Expected<void> levels() {
     constexpr std::size_t kFinest = 200;
-    const std::size_t finest = std::min(kFinest, hierarchy_.leaf_count() - 1);
-    std::vector<double> finer(finest + 1, std::numeric_limits<double>::infinity());
-    double coarser = 0;
-    double all_ms = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < std::max(3, options_.rounds / 4); ++round) {
+    const std::size_t coarsest = hierarchy_.min_spheres();
+    const std::size_t finest = std::min(std::max(kFinest, coarsest + 1), hierarchy_.leaf_count());
+    const int rounds = std::max(3, options_.rounds / 4);
+    std::vector<double> finer_ms(finest - coarsest, std::numeric_limits<double>::infinity());
+    std::vector<double> coarser_ms = finer_ms;
+    for (int round = 0; round < rounds; ++round) {
       sdk::SphereWeights weights(*diffusion_, hierarchy_);
-      const auto start = std::chrono::steady_clock::now();
-      for (std::size_t n = hierarchy_.min_spheres(); n < finest; ++n) {
-        finer[n] = std::min(finer[n], fastest(1, [&] { (void)weights.of(hierarchy_.nodes_of_level(n + 1)); }));
-        if (n + 1 == options_.spheres) all_ms = std::min(all_ms, milliseconds_since(start));
-      }
-      coarser = fastest(1, [&] { (void)weights.of(hierarchy_.nodes_of_level(options_.spheres)); });
+      const auto step_to = [&](std::size_t n, double& ms) {
+        ms = std::min(ms, fastest(1, [&] { (void)weights.of(hierarchy_.nodes_of_level(n)); }));
+      };
+      (void)weights.of(hierarchy_.nodes_of_level(coarsest));
+      for (std::size_t n = coarsest; n < finest; ++n) step_to(n + 1, finer_ms[n - coarsest]);
+      for (std::size_t n = finest; n > coarsest; --n) step_to(n - 1, coarser_ms[n - 1 - coarsest]);
     }
-    std::erase_if(finer, [](double ms) { return ms == std::numeric_limits<double>::infinity(); });
-    const double slowest = *std::ranges::max_element(finer);
-    std::ranges::nth_element(finer, finer.begin() + static_cast<std::ptrdiff_t>(finer.size() / 2));
-    all_weights_ms_ = all_ms;
-    return say("finer", finer[finer.size() / 2], "ms", "new weights one level finer, in the median of levels 1 to 200")
-        .and_then([&] { return say("finer at most", slowest, "ms", "the same, the slowest of these levels"); })
-        .and_then([&] { return say("coarser", coarser, "ms", "new weights one level coarser"); })
+    all_weights_ms_ = fastest(rounds, [&] {
+      (void)sdk::SphereWeights(*diffusion_, hierarchy_).of(hierarchy_.nodes_of_level(options_.spheres));
+    });
+    const StepTimes finer(std::move(finer_ms));
+    const StepTimes coarser(std::move(coarser_ms));
+    return say("finer", finer.median, "ms", "new weights one level finer, in the median of levels 1 to 200")
+        .and_then([&] { return say("finer at most", finer.slowest, "ms", "the same, the slowest of these levels"); })
+        .and_then([&] { return say("coarser", coarser.median, "ms", "one level coarser again, in the median"); })
+        .and_then([&] { return say("coarser at most", coarser.slowest, "ms", "the same, the slowest"); })
         .and_then([&] {
-          return say("first level", all_ms, "ms", fmt::format("all weights of the level of {}", options_.spheres));
+          return say("first level", all_weights_ms_, "ms",
+                     fmt::format("all weights of the level of {}, from nothing", options_.spheres));
         });
   }
 
@@ -147,7 +160,8 @@ class DeformBench {
   Expected<void> baselines(SdkCall& call) {
     const auto nodes = hierarchy_.nodes_of_level(options_.spheres + 1);
     const auto count = static_cast<Eigen::Index>(mesh_.positions.size());
-    const double naive_ms = fastest(1, [&] {
+    constexpr int kRounds = 3;
+    const double naive_ms = fastest(kRounds, [&] {
       const auto diffusion = sdk::HeatDiffusion::of(mesh_);
       Eigen::MatrixXd p = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(nodes.size()));
       for (std::size_t s = 0; s < nodes.size(); ++s)
@@ -155,9 +169,12 @@ class DeformBench {
           p(static_cast<Eigen::Index>(v.index()), static_cast<Eigen::Index>(s)) = 1;
       diffusion->diffuse(p);
     });
-    sdk::SphereWeights weights(*diffusion_, hierarchy_);
-    (void)weights.of(hierarchy_.nodes_of_level(options_.spheres));
-    const double ours_ms = fastest(1, [&] { (void)weights.of(nodes); });
+    double ours_ms = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds; ++round) {
+      sdk::SphereWeights weights(*diffusion_, hierarchy_);
+      (void)weights.of(hierarchy_.nodes_of_level(options_.spheres));
+      ours_ms = std::min(ours_ms, fastest(1, [&] { (void)weights.of(nodes); }));
+    }
     if (auto said = say("factored again", naive_ms, "ms", "baseline: a level finer with a new factor and every column");
         !said)
       return said;
@@ -212,7 +229,6 @@ class DeformBench {
   sdk::Hierarchy hierarchy_;
   sdk::Laplacian laplacian_;
   std::unique_ptr<const sdk::HeatDiffusion> diffusion_;
-  double factor_ms_ = 0;
   double all_weights_ms_ = 0;
 };
 

@@ -6,12 +6,11 @@
 #include <utility>
 
 #include <armature/sdk/deformation/deform.h>
-#include <armature/sdk/hierarchy/hierarchy_file.h>
-#include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
 #include <fmt/format.h>
 
 #include "tools/commands/choices.h"
+#include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/sphere_moves.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/elapsed.h"
@@ -36,44 +35,39 @@ struct Arguments {
 
 Expected<void> run_deform(const Arguments& arguments) {
   SdkCall call;
-  const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
-  if (!mesh) return tl::unexpected(mesh.error());
-  const auto hierarchy = ours(sdk::read_hierarchy(arguments.hierarchy, call.task()));
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
-  if (const auto same = sdk::check_same(*mesh, *hierarchy); !same)
-    return fail(
-        fmt::format("{}: does not belong to {}: {}; build it from this mesh with `spheremesh build --hierarchy`",
-                    arguments.hierarchy, arguments.mesh, same.error().message));
-  if (arguments.level < hierarchy->min_spheres() || arguments.level > hierarchy->leaf_count())
+  const auto read = read_mesh_with_hierarchy(arguments.mesh, arguments.hierarchy, call.task());
+  if (!read) return tl::unexpected(read.error());
+  const auto& [mesh, hierarchy] = *read;
+  if (arguments.level < hierarchy.min_spheres() || arguments.level > hierarchy.leaf_count())
     return fail(fmt::format("--level {}: {} has levels of {} to {} spheres; choose one of them", arguments.level,
-                            arguments.hierarchy, hierarchy->min_spheres(), hierarchy->leaf_count()));
+                            arguments.hierarchy, hierarchy.min_spheres(), hierarchy.leaf_count()));
   const auto moves = read_sphere_moves(arguments.moves, arguments.level);
   if (!moves) return tl::unexpected(moves.error());
   const auto start = std::chrono::steady_clock::now();
   const sdk::DeformOptions options{.heat = {.reach = arguments.reach},
                                    .weights = choice_of(kWeights, arguments.weights),
                                    .blend = choice_of(kBlends, arguments.blend)};
-  const auto deformed = sdk::deform(*mesh, *hierarchy, arguments.level, *moves, options, call.task());
+  const auto deformed = sdk::deform(mesh, hierarchy, arguments.level, *moves, options, call.task());
   if (!deformed) return fail(arguments.moves + ": " + deformed.error().message);
   const double deform_ms = milliseconds_since(start);
   if (auto written = ours(sdk::write_mesh(*deformed, arguments.out, {}, call.task())); !written) return written;
 
   double most = 0;
   std::size_t moved = 0;
-  for (std::size_t v = 0; v < mesh->positions.size(); ++v) {
-    const double distance = (deformed->positions[v] - mesh->positions[v]).norm();
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const double distance = (deformed->positions[v] - mesh.positions[v]).norm();
     most = std::max(most, distance);
     if (distance > 0) ++moved;
   }
   if (arguments.json)
-    return write_json_line(stdout, {{"vertices", mesh->positions.size()},
-                                    {"faces", mesh->triangles.size()},
+    return write_json_line(stdout, {{"vertices", mesh.positions.size()},
+                                    {"faces", mesh.triangles.size()},
                                     {"spheres", arguments.level},
                                     {"moves", moves->size()},
                                     {"moved_vertices", moved},
                                     {"largest_displacement", number(most)},
                                     {"deform_ms", number(deform_ms)}});
-  fmt::print("{}: {} of {} vertices moved, {:.6g} at most\n", arguments.out, moved, mesh->positions.size(), most);
+  fmt::print("{}: {} of {} vertices moved, {:.6g} at most\n", arguments.out, moved, mesh.positions.size(), most);
   return {};
 }
 
@@ -89,12 +83,7 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
       ->type_name("MOVES.json");
   command->add_option("OUT", arguments->out, "the deformed mesh: .ply, .obj or .off; vertices keep their order")
       ->required()
-      ->check([](const std::string& path) {
-        const auto format = sdk::mesh_format_of(path);
-        const bool known =
-            format == sdk::MeshFormat::Ply || format == sdk::MeshFormat::Obj || format == sdk::MeshFormat::Off;
-        return known ? std::string() : "expected a name that ends in .ply, .obj or .off";
-      });
+      ->check(wrong_mesh_name);
   command->add_option("--level", arguments->level, "how many spheres the level has")
       ->required()
       ->check(CLI::Range(std::size_t{0}, std::size_t{1} << 31))

@@ -5,6 +5,7 @@
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 
+#include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/json_lines.h"
 #include "tools/sdk_call.h"
@@ -45,9 +46,7 @@ void add_spheremesh_level(CLI::App& spheremesh, Run& run) {
       ->required();
   command->add_option("OUT", arguments->out, "the sphere-mesh to write (.ma, .ply, .urdf)")
       ->required()
-      ->check([](const std::string& path) {
-        return sdk::sphere_mesh_format_of(path) ? std::string() : "expected a name that ends in .ma, .ply or .urdf";
-      });
+      ->check(wrong_sphere_mesh_name);
   command->add_option("--spheres", arguments->spheres, "how many spheres")
       ->required()
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 31));

@@ -1,16 +1,15 @@
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 
 #include <armature/sdk/deformation/session.h>
-#include <armature/sdk/hierarchy/hierarchy_file.h>
-#include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 #include <armature/sdk/io/write_mesh.h>
 #include <fmt/format.h>
 
+#include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/json_lines.h"
 #include "tools/sdk_call.h"
@@ -25,24 +24,25 @@ struct Arguments {
 
 Expected<std::string> contents_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
+  std::string text;
+  std::array<char, 65536> block;
+  while (in.read(block.data(), block.size()) || in.gcount() > 0)
+    text.append(block.data(), static_cast<std::size_t>(in.gcount()));
   if (!in.is_open() || in.bad()) return fail(file + ": cannot be read; expected a deformation session");
-  return text.str();
+  return text;
 }
 
 Expected<void> run_session(const Arguments& arguments) {
   SdkCall call;
-  auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
-  if (!mesh) return tl::unexpected(mesh.error());
-  const auto hierarchy = ours(sdk::read_hierarchy(arguments.hierarchy, call.task()));
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
+  const auto read = read_mesh_with_hierarchy(arguments.mesh, arguments.hierarchy, call.task());
+  if (!read) return tl::unexpected(read.error());
+  const auto& [mesh, hierarchy] = *read;
   const auto text = contents_of(arguments.session);
   if (!text) return tl::unexpected(text.error());
-  auto session = sdk::DeformationSession::start(*mesh, *hierarchy, hierarchy->min_spheres(), {}, call.task());
-  if (!session) return fail(fmt::format("{}, {}: {}", arguments.mesh, arguments.hierarchy, session.error().message));
+  auto session = sdk::DeformationSession::start(mesh, hierarchy, hierarchy.min_spheres(), {}, call.task());
+  if (!session) return fail(fmt::format("{}: {}", arguments.mesh, session.error().message));
   if (const auto replayed = ours(session->replay(*text, arguments.session)); !replayed) return replayed;
-  sdk::Mesh deformed = *mesh;
+  sdk::Mesh deformed = mesh;
   deformed.positions.assign(session->positions().begin(), session->positions().end());
   if (auto written = ours(sdk::write_mesh(deformed, arguments.out, {}, call.task())); !written) return written;
   if (!arguments.spheres.empty())
@@ -64,9 +64,11 @@ void add_spheremesh_session(CLI::App& spheremesh, Run& run) {
   command->add_option("HIERARCHY", arguments->hierarchy, "its hierarchy (.smh)")->required()->type_name("H.smh");
   command->add_option("SESSION", arguments->session, "the steps, one a line (below)")->required()->type_name("S.txt");
   command->add_option("OUT", arguments->out, "the deformed mesh: .ply, .obj or .off; vertices keep their order")
-      ->required();
+      ->required()
+      ->check(wrong_mesh_name);
   command->add_option("--spheres", arguments->spheres, "write the last level, fitted to it, as well (.ma, .ply, .urdf)")
-      ->type_name("OUT.ma");
+      ->type_name("OUT.ma")
+      ->check(wrong_sphere_mesh_name);
   command->add_flag("--json", arguments->json, "one JSON object: vertices, spheres");
   command->footer(
       "  armature deformation 1\n"

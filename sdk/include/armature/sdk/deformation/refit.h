@@ -28,9 +28,10 @@ struct FittedSphere {
 };
 
 /// Fits the spheres of a hierarchy to the mesh as it has been deformed (thesis, section 4.7.3): sums of quadrics over
-/// the vertices that each sphere stands for, minimised as when the hierarchy was built with its default options. A
-/// sphere of whose vertices none has moved is as the hierarchy has it, whatever it was built with; what holds a sphere
-/// that the user pinned when it was built, or has no area, goes along with its vertices. Thread-safe to read.
+/// the vertices that each sphere stands for, minimised as when the hierarchy was built with its default options; no
+/// radius is bounded below what the region's own motion would make of it. A sphere of whose vertices none has moved is
+/// as the hierarchy has it, whatever it was built with; what holds a sphere that the user pinned when it was built, or
+/// has no area, goes along with its vertices. Thread-safe to read.
 class Refit {
  public:
   /// The hierarchy must be of the mesh, and outlive this.
