@@ -26,10 +26,15 @@ class BackgroundModel {
 
   /// What a cell of this frame shows. A cell without a return is Unknown.
   [[nodiscard]] Cell classify(std::size_t cell, float inverse_depth) const noexcept {
-    const Entry& e = entries_[cell];
-    if (inverse_depth <= 0 || e.seen < kKnown) return Cell::Unknown;
-    return inverse_depth > e.inverse_depth + tolerance(e.inverse_depth) ? Cell::Foreground : Cell::Background;
+    if (inverse_depth <= 0 || seen_[cell] < kKnown) return Cell::Unknown;
+    const float behind = inverse_depth_[cell];
+    return inverse_depth > behind + tolerance(behind) ? Cell::Foreground : Cell::Background;
   }
+
+  /// Cells that are looked at together, in vector registers: nearly always they show nothing new.
+  static constexpr std::size_t kBlock = 16;
+  /// Whether each of the kBlock cells from `first` on has no return or is Background.
+  [[nodiscard]] bool nothing_new(std::size_t first, std::span<const float> inverse_depth) const noexcept;
 
   /// Learns from a frame, never from the cells of users.
   void learn(const DepthGrid& grid, std::span<const Cover> cover) noexcept;
@@ -41,12 +46,19 @@ class BackgroundModel {
     return 2.5F * kDisparityStep + 0.02F * inverse_depth;
   }
   struct Entry {
-    float inverse_depth = 0;  ///< 0 = nothing within the sensor's range
-    float candidate = 0;      ///< another surface that might be taking its place
-    std::uint16_t seen = 0;   ///< frames that confirmed it, saturating at kKnown
-    std::uint16_t candidate_seen = 0;
+    float inverse_depth = 0;
+    int seen = 0;
   };
-  std::vector<Entry> entries_;
+  void believe(std::size_t cell, Entry entry) noexcept;
+  [[nodiscard]] bool settled(std::size_t first, std::span<const float> inverse_depth,
+                             std::span<const Cover> cover) const noexcept;
+  void refresh(std::size_t first, std::span<const float> inverse_depth) noexcept;
+  [[nodiscard]] bool learn_cell(std::size_t cell, float inverse_depth, Cover cover) noexcept;
+
+  std::vector<float> inverse_depth_;  ///< 0 = nothing within the sensor's range
+  std::vector<float> candidate_;      ///< another surface that might be taking its place
+  std::vector<std::int32_t> seen_;    ///< frames that confirmed it, saturating at kKnown
+  std::vector<std::int32_t> candidate_seen_;
   int moved_frames_ = 0;
 };
 

@@ -8,6 +8,15 @@ namespace {
 
 constexpr int kMaxCells = 25'000;
 
+/// Apart from the rest of sample() and free of branches, so that it runs in vector registers.
+void invert(DepthGrid& grid) noexcept {
+  for (std::size_t cell = 0; cell < grid.depth.size(); ++cell) {
+    const float z = grid.depth[cell];
+    const float inverse = 1.0F / (z > 0 ? z : 1.0F);
+    grid.inverse_depth[cell] = z > 0 ? inverse : 0.0F;
+  }
+}
+
 }  // namespace
 
 bool usable(const Intrinsics& k) noexcept {
@@ -37,6 +46,11 @@ DepthGrid make_depth_grid(const Intrinsics& k) {
 
 void sample(DepthView frame, DepthGrid& grid) noexcept {
   const int s = grid.stride;
+  if (s == 1) {
+    for (std::size_t cell = 0; cell < grid.depth.size(); ++cell)
+      grid.depth[cell] = 1e-3F * static_cast<float>(frame.depth_mm[cell]);
+    return invert(grid);
+  }
   const int last_u = frame.width() - 1;
   const int last_v = frame.height() - 1;
   std::size_t cell = 0;
@@ -46,7 +60,7 @@ void sample(DepthView frame, DepthGrid& grid) noexcept {
       const int u = std::min(x * s + s / 2, last_u);
       std::uint16_t mm = frame.at(u, v);
       // A drop-out of one pixel is not a hole.
-      if (mm == 0 && s > 1) {
+      if (mm == 0) {
         mm = frame.at(std::max(u - 1, 0), v);
         if (mm == 0) mm = frame.at(u, std::max(v - 1, 0));
         if (mm == 0) mm = frame.at(std::max(u - 1, 0), std::max(v - 1, 0));
@@ -54,12 +68,7 @@ void sample(DepthView frame, DepthGrid& grid) noexcept {
       grid.depth[cell] = 1e-3F * static_cast<float>(mm);
     }
   }
-  // Apart from the above and free of branches, so that it runs in vector registers.
-  for (cell = 0; cell < grid.depth.size(); ++cell) {
-    const float z = grid.depth[cell];
-    const float inverse = 1.0F / (z > 0 ? z : 1.0F);
-    grid.inverse_depth[cell] = z > 0 ? inverse : 0.0F;
-  }
+  invert(grid);
 }
 
 }  // namespace armature

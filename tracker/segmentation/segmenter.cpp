@@ -113,12 +113,18 @@ void Segmenter::State::find_candidates() noexcept {
   const std::span<std::uint8_t> kind = stages->kind;
   const BackgroundModel& background = stages->background;
   const std::span<std::uint8_t> wall = stages->wall;
+  constexpr int kBlock = BackgroundModel::kBlock;
   bool walls_seen = false;
-  std::size_t i = 0;
+  std::ranges::fill(kind, std::uint8_t{0});
+  std::ranges::fill(wall, std::uint8_t{0});
   for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x, ++i) {
-      kind[i] = 0;
-      wall[i] = 0;
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
+      if (x % kBlock == 0 && x + kBlock <= grid.width && background.nothing_new(i, inverse_depth)) {
+        x += kBlock - 1;
+        continue;
+      }
       const float z = depth[i];
       if (z <= 0 || z < options.near_m || z > options.far_m) continue;
       const float w = inverse_depth[i];
