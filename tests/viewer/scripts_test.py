@@ -5,12 +5,14 @@ import math
 import os
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -25,6 +27,26 @@ def run(program, *arguments, folder, environment=None, timeout=300):
 
 def size_of(png):
     return struct.unpack(">II", png.read_bytes()[16:24])
+
+
+def pixels_of(png):
+    """Rows of RGB bytes of a PNG file of 8-bit RGB without interlacing."""
+    data, at, packed = png.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        packed += data[at + 8:at + 8 + length] if kind == b"IDAT" else b""
+        at += 12 + length
+    width, height = size_of(png)
+    raw, before, rows = zlib.decompress(packed), bytes(3 * width), []
+    for y in range(height):
+        kind, line = raw[y * (3 * width + 1)], bytearray(raw[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)])
+        for i in range(3 * width):
+            left, up, corner = line[i - 3] if i > 2 else 0, before[i], before[i - 3] if i > 2 else 0
+            nearest = min((left, up, corner), key=lambda value: abs(left + up - corner - value))
+            line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[kind]) & 255
+        before = bytes(line)
+        rows.append(before)
+    return rows
 
 
 class Viewer(unittest.TestCase):
@@ -58,6 +80,11 @@ class Viewer(unittest.TestCase):
         self.assertEqual(played.returncode, 0, played.stderr)
         return dict(line.partition(" ")[::2] for line in played.stdout.splitlines())
 
+    def wait_for(self, file, program):
+        deadline = time.monotonic() + 60
+        while not file.exists() and time.monotonic() < deadline and program.poll() is None:
+            time.sleep(0.05)
+
     def script(self, name):
         played = self.view("--headless", "--script", HERE / "scripts" / name)
         self.assertEqual(played.returncode, 0, played.stderr)
@@ -90,6 +117,20 @@ class Viewer(unittest.TestCase):
         self.script("person.txt")
         self.assertIn("rotate_shoulders", (self.folder / "armature/viewer.toml").read_text())
 
+    def test_nothing_is_written_that_nobody_asked_for(self):
+        self.facts(["person synth:stand?size=320x240", "wait 30 walk.fresh yes", "disconnect"],
+                   environment={"TMPDIR": str(self.folder)})
+        left = {path.name for path in self.folder.iterdir()} - {path.name for path in self.models.iterdir()}
+        self.assertEqual(left, {"script.txt"})
+
+    def test_settings_that_were_changed_hold_when_the_recording_starts_again(self):
+        made = run("armature", "synth", "stand", "person.oni", "--size", "320x240", folder=self.folder)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        facts = self.facts(["person oni:person.oni", "wait 30 walk.turn lean_bust", "pair rotate_shoulders bend_bust",
+                            "wait 30 walk.turn rotate_shoulders", "wait 60 walk.rounds 1",
+                            "wait 60 walk.turn rotate_shoulders"])
+        self.assertEqual(facts["walk.walk"], "bend_bust")
+
     def test_failures_leave_everything_as_it_was(self):
         self.script("failures.txt")
         self.assertEqual(size_of(self.folder / "small.png"), (200, 150))
@@ -110,7 +151,7 @@ class Viewer(unittest.TestCase):
             heading += angular / 60
             way += abs(linear) / 30
         self.assertGreater(way, 3, "the person walks")
-        facts = self.facts(["person oni:person.oni", "wait 30 walk.fresh yes", 'wait 120 walk.state "~ended"'])
+        facts = self.facts(["person oni:person.oni", "wait 30 walk.fresh yes", "wait 120 walk.rounds 1"])
         away = math.hypot(float(facts["walk.x"]) - x, float(facts["walk.y"]) - y)
         self.assertLess(away, 0.08 * way, f"{facts['walk.x']}, {facts['walk.y']} for {x:.2f}, {y:.2f}, after {way:.1f} m")
         self.assertLess(abs(float(facts["walk.heading"]) - math.degrees(heading)), 10)
@@ -124,17 +165,15 @@ class Viewer(unittest.TestCase):
 
         first = daemon()
         (self.folder / "script.txt").write_text(
-            'wait 30 walk.fresh yes\nwait 60 walk.fresh no\nexpect notice "~fallen silent"\nscreenshot gone.png\n'
-            "wait 60 walk.fresh yes\nreport\n")
+            'wait 30 walk.fresh yes\nscreenshot there.png\nwait 60 walk.fresh no\nexpect notice "~fallen silent"\n'
+            "screenshot gone.png\nwait 60 walk.fresh yes\nreport\n")
         viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--connect", endpoint, "--script",
                                    "script.txt"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
-            time.sleep(3)
+            self.wait_for(self.folder / "there.png", viewer)
             first.send_signal(signal.SIGKILL)
             first.wait()
-            deadline = time.monotonic() + 60
-            while not (self.folder / "gone.png").exists() and time.monotonic() < deadline and viewer.poll() is None:
-                time.sleep(0.1)
+            self.wait_for(self.folder / "gone.png", viewer)
             second = daemon()
             try:
                 out, error = viewer.communicate(timeout=120)
@@ -152,6 +191,13 @@ class Viewer(unittest.TestCase):
             done = self.view("creature.off", "--screenshot", f"{scale}.png", "--scale", scale, "--size", size)
             self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(size_of(self.folder / "2.png"), (1280, 800))
+        small, large = pixels_of(self.folder / "1.png"), pixels_of(self.folder / "2.png")
+        away = 0
+        for y in range(0, 400, 2):
+            for x in range(640):
+                mean = [sum(large[2 * y + v][3 * (2 * x + u) + c] for u in (0, 1) for v in (0, 1)) / 4 for c in range(3)]
+                away += max(abs(mean[c] - small[y][3 * x + c]) for c in range(3)) > 60
+        self.assertLess(away, 0.03 * 640 * 200, "only the edges of letters may differ")
 
     def test_an_opengl_that_is_too_old_is_named(self):
         done = self.view("--screenshot", "old.png", environment={"MESA_GL_VERSION_OVERRIDE": "2.1"})
@@ -160,9 +206,13 @@ class Viewer(unittest.TestCase):
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
     def test_wrong_use_is_told_in_one_line(self):
-        for arguments, code, part in ((["--size", "big"], 1, "WIDTHxHEIGHT"), (["--nonsense"], 2, "--nonsense"),
+        for arguments, code, part in ((["--size", "big"], 2, "WIDTHxHEIGHT"),
+                                      (["--size", "640x480junk"], 2, "640x480junk"), (["--nonsense"], 2, "--nonsense"),
                                       (["--headless", "--script", "none.txt"], 1, "none.txt"),
-                                      (["--headless", "missing.off"], 1, "missing.off")):
+                                      (["--headless", "missing.off"], 1, "armature-viewer: missing.off"),
+                                      (["--server", "x"], 2, "--keys"),
+                                      (["--headless", "--connect", "tcp://127.0.0.1:9", "--keys", "none.key", "--server",
+                                        "x"], 1, "none.key")):
             done = self.view(*arguments)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(part, done.stderr)
@@ -172,14 +222,60 @@ class Viewer(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("script.txt, line 3: tool", done.stderr)
 
+    def test_a_daemon_that_lets_in_known_keys_alone(self):
+        def public_key(file):
+            return json.loads(run("armature", "keys", "new", file, "--json", folder=self.folder).stdout)["public"]
+
+        server, ours = public_key("kiosk.key"), public_key("wall.key")
+        public_key("stranger.key")
+        run("armature", "keys", "allow", "allow", "--", ours, "wall", folder=self.folder)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = min(probe.getsockname()[1], 65000)
+        endpoint = f"tcp://127.0.0.1:{port}"
+        (self.folder / "kiosk.toml").write_text(
+            f"[publish]\nendpoint = '{endpoint}'\nkeys = 'kiosk.key'\nallow = 'allow'\n"
+            f"[control]\nendpoint = 'ipc://{self.folder}/control'\n")
+        daemon = subprocess.Popen([BINARIES / "armatured", "--config", "kiosk.toml", "--source",
+                                   "synth:stand?size=320x240"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(daemon.stderr.close)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.terminate)
+        (self.folder / "heard.txt").write_text(
+            "wait 30 walk.fresh yes\nwait 30 walk.feed 320x240\n"
+            'try rerest\nexpect notice "~own machine"\nsave-session again.txt\n')
+        done = self.view("--headless", "--connect", endpoint, "--keys", "wall.key", f"--server={server}", "--script",
+                         "heard.txt")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.folder / "again.txt", "a") as script:
+            script.write("wait 30 walk.fresh yes\n")
+        done = self.view("--headless", "--script", "again.txt")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.play([f'connect {endpoint} stranger.key "{server}"', "wait 2", "expect walk.fresh no"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_ctrl_c_leaves_nothing_behind(self):
+        (self.folder / "script.txt").write_text("person synth:stand?size=320x240\nwait 30 walk.fresh yes\n"
+                                                "save-session there.txt\nwait 100\n")
+        viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--script", "script.txt"], cwd=self.folder,
+                                  env={**os.environ, "TMPDIR": str(self.folder), "XDG_CONFIG_HOME": str(self.folder)},
+                                  stderr=subprocess.PIPE, text=True)
+        self.wait_for(self.folder / "there.txt", viewer)
+        viewer.send_signal(signal.SIGINT)
+        _, error = viewer.communicate(timeout=60)
+        self.assertEqual((viewer.returncode, error), (1, "armature-viewer: interrupted\n"))
+        self.assertEqual(list(self.folder.glob("armature-viewer.*")), [])
+
     @unittest.skipUnless(shutil.which("xvfb-run"), "xvfb is missing")
     def test_a_window(self):
-        (self.folder / "script.txt").write_text("open creature.off\nscreenshot window.png\nquit\n")
+        (self.folder / "script.txt").write_text("open creature.off\nscreenshot window.png\n"
+                                                "screenshot small.png 320x200\nquit\n")
         done = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", BINARIES / "armature-viewer", "--script",
                                "script.txt"], cwd=self.folder, timeout=300, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(size_of(self.folder / "window.png"), (1280, 800))
+        self.assertEqual(size_of(self.folder / "small.png"), (320, 200))
 
 
 if __name__ == "__main__":

@@ -19,11 +19,13 @@ using Eigen::Vector3d;
 
 enum class Grip { None, X, Y, Z, View, Ring, Scale, Swell };
 
-/// A grip that is being dragged: where it began, and what it does so far.
+/// A grip that is being dragged: whose, where it began, and what it does so far.
 struct Drag {
   Grip grip = Grip::None;
   ImVec2 from{0, 0};
-  sdk::SphereMove move;
+  sdk::SphereMove move = {};
+  std::weak_ptr<Model> model = {};
+  std::vector<sdk::SphereId> held = {};
 };
 
 Drag drag;
@@ -124,10 +126,24 @@ void choose(Ui& ui, Model& model) {
   ui.issue("handle {}", fmt::join(chosen, " "));
 }
 
+/// A drag ends, and what it showed goes, where what it held is held no longer: by an undo, another tool or model.
+void drop_stale_drag(const Session& session) {
+  if (drag.grip == Grip::None || session.job.running()) return;
+  const auto model = drag.model.lock();
+  const bool active = model && !session.models.empty() && session.models[session.active_model] == model;
+  if (active && model->posing && session.tool == Tool::Pose && model->handle == drag.held) return;
+  if (model && model->posing) {
+    model->posing->cancel_preview();
+    model->take_pose();
+  }
+  drag = {};
+}
+
 }  // namespace
 
 bool handle_gizmo(Ui& ui, bool over) {
   Session& session = ui.session;
+  drop_stale_drag(session);
   if (session.tool != Tool::Pose || session.models.empty() || !session.models[session.active_model]->posing)
     return false;
   Model& model = *session.models[session.active_model];
@@ -167,9 +183,11 @@ bool handle_gizmo(Ui& ui, bool over) {
     grips[5] = {Grip::Swell, diamond};
     if (over && drag.grip == Grip::None && io.MouseClicked[0] && !io.KeyAlt) {
       for (const auto& [grip, at] : grips)
-        if (distance(io.MousePos, at) < ui.px(11)) drag = {grip, io.MousePos, {}};
+        if (distance(io.MousePos, at) < ui.px(11)) drag.grip = grip;
       if (drag.grip == Grip::None && std::abs(distance(io.MousePos, centre) - 1.25F * reach) < ui.px(7))
-        drag = {Grip::Ring, io.MousePos, {}};
+        drag.grip = Grip::Ring;
+      if (drag.grip != Grip::None)
+        drag = {drag.grip, io.MousePos, {}, session.models[session.active_model], model.handle};
     }
     if (drag.grip != Grip::None && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
       // Against where it lay when the drag began.

@@ -2,10 +2,9 @@
 #include <thread>
 
 #include <imgui.h>
-#include <imgui_impl_opengl3.h>
 
-#include "viewer/app/app.h"
-#include "viewer/app/png.h"
+#include "viewer/app/interrupt.h"
+#include "viewer/app/photograph.h"
 #include "viewer/app/run.h"
 #include "viewer/render/gl_context.h"
 
@@ -36,26 +35,7 @@ class Studio {
     return studio;
   }
 
-  sdk::Expected<void> photograph(const std::string& file, int width, int height) {
-    GlTexture picture = make_texture(GL_RGBA8, width, height);
-    auto framebuffer = make_framebuffer({picture.get()}, 0);
-    if (!framebuffer) return tl::unexpected(framebuffer.error());
-    ImGui::GetIO().DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
-    ImGui::GetIO().DeltaTime = 1.0F / 30;
-    // Windows find their size in the first frame and their place in the second.
-    for (int frame = 0; frame < 3; ++frame) {
-      ImGui_ImplOpenGL3_NewFrame();
-      glBindFramebuffer(GL_FRAMEBUFFER, framebuffer->get());
-      glDisable(GL_SCISSOR_TEST);
-      glClearColor(1, 1, 1, 1);
-      glClear(GL_COLOR_BUFFER_BIT);
-      if (auto drawn = app_->draw(width, height, framebuffer->get(), true); !drawn) return drawn;
-    }
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer->get());
-    const auto image = read_picture(width, height);
-    if (!image) return tl::unexpected(image.error());
-    return write_png(*image, file);
-  }
+  [[nodiscard]] App& app() noexcept { return *app_; }
 
  private:
   Studio() = default;
@@ -71,23 +51,21 @@ sdk::Expected<void> run_headless(Session& session, Script script, const RunOptio
   const auto start = Clock::now();
   const float scale = options.scale > 0 ? options.scale : 1;
   std::optional<Studio> studio;
-  const auto photograph = [&](const std::string& file, int width, int height) -> sdk::Expected<void> {
+  const auto take = [&](const PictureRequest& request) -> sdk::Expected<void> {
     if (!studio) {
       auto made = Studio::create(session, scale);
       if (!made) return tl::unexpected(made.error());
       studio.emplace(std::move(*made));
     }
-    return studio->photograph(file, width, height);
+    return photograph(studio->app(), request.file, request.size.value_or(options.size));
   };
-  session.aspect = static_cast<double>(options.width) / options.height;
+  session.aspect = static_cast<double>(options.size.width) / options.size.height;
   for (;;) {
+    if (interrupted()) return sdk::fail("interrupted");
     session.update(Clock::now() - start);
     if (auto stepped = script.step(session); !stepped) return stepped;
     if (session.picture) {
-      const PictureRequest request = *session.picture;
-      const int width = request.width > 0 ? request.width : options.width;
-      const int height = request.height > 0 ? request.height : options.height;
-      if (auto made = photograph(request.file, width, height); !made) return made;
+      if (auto taken = take(*session.picture); !taken) return taken;
       session.picture.reset();
       continue;
     }
@@ -96,7 +74,7 @@ sdk::Expected<void> run_headless(Session& session, Script script, const RunOptio
   }
   if (session.failed) return sdk::fail(session.notice);
   if (options.screenshot.empty()) return {};
-  return photograph(options.screenshot, options.width, options.height);
+  return take({.file = options.screenshot});
 }
 
 }  // namespace armature::viewer

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "viewer/app/interrupt.h"
 #include "viewer/app/run.h"
 #include "viewer/session/command.h"
 
@@ -14,20 +15,21 @@ using namespace armature::viewer;
 
 struct Options {
   std::vector<std::string> files;
-  std::string script, screenshot, size, connect;
+  std::string script, screenshot, size, connect, keys, server;
   double scale = 0;
   bool person = false, headless = false;
 };
 
 armature::sdk::Expected<void> run(const Options& arguments) {
   RunOptions options{.scale = static_cast<float>(arguments.scale), .screenshot = arguments.screenshot};
-  if (!arguments.size.empty() &&
-      (std::sscanf(arguments.size.c_str(), "%dx%d", &options.width, &options.height) != 2 || options.width < 16 ||
-       options.height < 16 || options.width > 16384 || options.height > 16384))
-    return armature::sdk::fail("--size: expected WIDTHxHEIGHT of 16 to 16384 pixels, found " + arguments.size);
+  if (!arguments.size.empty()) options.size = *parse_size(arguments.size);  // it was checked
   std::vector<std::string> lines;
   for (const std::string& file : arguments.files) lines.push_back("open " + as_word(file));
-  if (!arguments.connect.empty()) lines.push_back("connect " + as_word(arguments.connect));
+  if (!arguments.connect.empty()) {
+    lines.push_back("connect " + as_word(arguments.connect));
+    if (!arguments.keys.empty())
+      lines.back() += fmt::format(" {} {}", as_word(arguments.keys), as_word(arguments.server));
+  }
   if (arguments.person) lines.emplace_back("person");
   Session session;
   Script script(std::move(lines));
@@ -36,6 +38,7 @@ armature::sdk::Expected<void> run(const Options& arguments) {
     if (!read) return armature::sdk::fail(read.error().message);
     script.append(std::move(*read));
   }
+  catch_interrupts();
   const bool headless = arguments.headless || !arguments.screenshot.empty();
   return headless ? run_headless(session, std::move(script), options) : run_window(session, std::move(script), options);
 }
@@ -50,11 +53,22 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   app.add_option("--screenshot", arguments.screenshot, "no window: write what it would show after the script, and end")
       ->type_name("OUT.png");
-  app.add_option("--size", arguments.size, "of the window or the picture [1280x800]")->type_name("WxH");
+  app.add_option("--size", arguments.size, "of the window or the picture [1280x800]")
+      ->type_name("WxH")
+      ->check([](const std::string& text) {
+        const auto size = parse_size(text);
+        return size ? std::string() : size.error().message;
+      });
   app.add_option("--scale", arguments.scale, "pixels a unit of layout [as the display says]")
       ->check(CLI::Range(0.5, 4.0));
   app.add_option("--connect", arguments.connect, "walk by what a daemon publishes: ipc://PATH or tcp://HOST:PORT")
       ->type_name("ENDPOINT");
+  auto* keys = app.add_option("--keys", arguments.keys, "tcp with keys: our own pair, made by `armature keys new`")
+                   ->type_name("FILE");
+  auto* server =
+      app.add_option("--server", arguments.server, "tcp with keys: the daemon's public key")->type_name("KEY");
+  keys->needs(server, "--connect");
+  server->needs(keys);
   app.add_flag("--person", arguments.person, "walk with a synthetic person: starts a daemon of its own");
   app.add_flag("--headless", arguments.headless, "no window: play the script and end");
   app.footer("Commands, in scripts and in the log of the window:\n" + list_of_commands() +

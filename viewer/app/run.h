@@ -8,9 +8,9 @@ namespace armature::viewer {
 
 /// How the window is opened.
 struct RunOptions {
-  int width = 1280, height = 800;  ///< in units of layout with a window, in pixels without one
-  float scale = 0;                 ///< pixels a unit of layout; 0: as the display says
-  std::string screenshot;          ///< without a window: what to write when the script is done
+  PictureSize size{1280, 800};  ///< in units of layout with a window, in pixels without one
+  float scale = 0;              ///< pixels a unit of layout; 0: as the display says
+  std::string screenshot = {};  ///< without a window: what to write when the script is done
 };
 
 /// Shows the session in a window until it is closed. Fails where there is no display or no OpenGL 3.3.

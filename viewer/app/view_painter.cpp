@@ -3,7 +3,6 @@
 #include <chrono>
 
 #include "viewer/session/maps.h"
-#include "viewer/session/posing.h"
 
 namespace armature::viewer {
 namespace {
@@ -56,7 +55,7 @@ void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const 
                       .wireframe = looks.wireframe,
                       .colours = colours};
       if (!model.posing) style.normals = model.mesh->normals;
-      scene.add(model.posing ? model.posing->mesh() : model.mesh->mesh, style);
+      scene.add(model.posing ? model.posed : model.mesh->mesh, style);
       keep(mesh_, key, scene);
     }
     show(mesh_);
@@ -127,6 +126,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
                              .obscurance = !roughly && !session.looks.matcap};
   if (auto painted = painter_.paint(drawings_, camera, width, height, options); !painted) return painted;
   glFinish();
+  ++painted_;
   if (!roughly) careful_ms_ = milliseconds_since(start);
   rough_ = roughly;
   std::swap(shown_, shows_);

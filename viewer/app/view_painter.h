@@ -26,6 +26,8 @@ class ViewPainter {
                                           int height, bool careful);
   /// The framebuffer that holds it.
   [[nodiscard]] GLuint picture() const noexcept { return painter_.framebuffer(); }
+  /// How many pictures it has painted.
+  [[nodiscard]] std::size_t painted() const noexcept { return painted_; }
   /// Whether the picture is rougher than it could be and should be painted again soon.
   [[nodiscard]] bool rough() const noexcept { return rough_; }
 
@@ -57,6 +59,7 @@ class ViewPainter {
   // What the picture is to show and shows: which drawings, from where.
   std::vector<double> shows_, shown_;
   bool rough_ = false;
+  std::size_t painted_ = 0;
   double careful_ms_ = 0;  // the last careful picture took
 };
 

@@ -12,7 +12,8 @@
 #include <imgui_impl_opengl3.h>
 
 #include "viewer/app/app.h"
-#include "viewer/app/png.h"
+#include "viewer/app/interrupt.h"
+#include "viewer/app/photograph.h"
 #include "viewer/app/run.h"
 
 namespace armature::viewer {
@@ -39,11 +40,11 @@ struct Window {
   std::unique_ptr<App> app;
 };
 
+/// Files that are dropped are opened one after another, those that can be.
 void on_drop(GLFWwindow* window, int count, const char** paths) {
-  auto& session = *static_cast<Session*>(glfwGetWindowUserPointer(window));
-  // One at a time: they are opened one after another while the first is read.
-  if (count > 0) static_cast<void>(session.execute("open " + as_word(paths[0])));
-  if (count > 1) session.tell("one file at a time; opened the first");
+  std::vector<std::string> lines;
+  for (int i = 0; i < count; ++i) lines.push_back("try open " + as_word(paths[i]));
+  static_cast<Script*>(glfwGetWindowUserPointer(window))->append(Script(std::move(lines)));
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, options.scale > 0 ? GLFW_FALSE : GLFW_TRUE);
-  w.window = glfwCreateWindow(options.width, options.height, "Armature", nullptr, nullptr);
+  w.window = glfwCreateWindow(options.size.width, options.size.height, "Armature", nullptr, nullptr);
   if (w.window == nullptr)
     return sdk::fail("the viewer needs OpenGL 3.3: " + glfw_complaint() +
                      "; a newer graphics driver has it, or Mesa's software driver (on Debian: apt-get install "
@@ -69,7 +70,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   float scale = options.scale;
   if (!(scale > 0)) glfwGetWindowContentScale(w.window, &scale, nullptr);
   w.imgui = ImGui::CreateContext();
-  glfwSetWindowUserPointer(w.window, &session);
+  glfwSetWindowUserPointer(w.window, &script);
   glfwSetDropCallback(w.window, on_drop);
   w.backend = ImGui_ImplGlfw_InitForOpenGL(w.window, true);
   auto app = App::create(session, scale);
@@ -77,7 +78,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   w.app = std::move(*app);
 
   bool playing = !script.done(session);
-  while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit) {
+  while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit && !interrupted()) {
     // Nothing moves: wait for somebody to do something, or for a moment.
     if (w.app->calm() && script.done(session)) {
       glfwWaitEventsTimeout(0.1);
@@ -98,16 +99,14 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     if (width < 16 || height < 16) continue;  // minimised
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
-    const bool photograph = session.picture.has_value();
-    if (auto drawn = w.app->draw(width, height, 0, photograph); !drawn) return drawn;
-    if (photograph) {
-      const auto image = read_picture(width, height);
-      const std::string file = session.picture->file;
-      session.picture.reset();
-      const auto written = image ? write_png(*image, file) : tl::unexpected(image.error());
-      if (!written) session.tell(written.error().message, true);
-    }
+    if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
     glfwSwapBuffers(w.window);
+    if (session.picture) {
+      const PictureSize size = session.picture->size.value_or(PictureSize{width, height});
+      const auto taken = photograph(*w.app, session.picture->file, size);
+      session.picture.reset();
+      if (!taken) session.tell(taken.error().message, true);
+    }
     if (!script.done(session)) session.failed = session.failed && !session.forgiving;
   }
   return {};

@@ -17,8 +17,9 @@ sdk::Expected<std::vector<std::string>> split_words(std::string_view line) {
     } else if (line[i] == '"') {
       std::string word;
       for (++i; i < line.size() && line[i] != '"'; ++i) {
-        if (line[i] == '\\' && i + 1 < line.size()) ++i;
-        word += line[i];
+        const bool escaped = line[i] == '\\' && i + 1 < line.size();
+        if (escaped) ++i;
+        word += escaped && line[i] == 'n' ? '\n' : line[i];
       }
       if (i == line.size()) return sdk::fail("a quote is not closed; expected a second \"");
       ++i;
@@ -33,13 +34,26 @@ sdk::Expected<std::vector<std::string>> split_words(std::string_view line) {
 }
 
 std::string as_word(std::string_view word) {
-  if (!word.empty() && word.find_first_of(" \t\"\\#") == std::string_view::npos) return std::string(word);
+  if (!word.empty() && word.find_first_of(" \t\r\n\"\\#") == std::string_view::npos) return std::string(word);
   std::string result = "\"";
   for (const char c : word) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
+    if (c == '"' || c == '\\' || c == '\n') result += '\\';
+    result += c == '\n' ? 'n' : c;
   }
   return result + '"';
+}
+
+sdk::Expected<PictureSize> parse_size(std::string_view text) {
+  PictureSize size;
+  const std::size_t cross = text.find('x');
+  const auto whole = [](std::string_view digits, int& value) {
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc() && end == digits.data() + digits.size() && value >= 16 && value <= 16384;
+  };
+  if (cross == std::string_view::npos || !whole(text.substr(0, cross), size.width) ||
+      !whole(text.substr(cross + 1), size.height))
+    return sdk::fail("expected WIDTHxHEIGHT of 16 to 16384 pixels, found " + as_word(text));
+  return size;
 }
 
 void Arguments::complain(std::string_view what, const std::string& expected, const std::string& found) {

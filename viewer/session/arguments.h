@@ -12,12 +12,19 @@
 
 namespace armature::viewer {
 
-/// The words of a line: separated by blanks, or between double quotes, in which \" and \\ stand for " and \. What
-/// follows a # at the beginning of a word is a comment. Fails where a quote is not closed.
+/// The words of a line: separated by blanks, or between double quotes, in which \", \\ and \n stand for ", \ and a
+/// new line. What follows a # at the beginning of a word is a comment. Fails where a quote is not closed.
 [[nodiscard]] sdk::Expected<std::vector<std::string>> split_words(std::string_view line);
 
 /// A word as it has to stand in a line: in quotes where it is needed.
 [[nodiscard]] std::string as_word(std::string_view word);
+
+/// Of a picture or a window, in pixels.
+struct PictureSize {
+  int width = 0, height = 0;
+};
+/// What is written WIDTHxHEIGHT, from 16 to 16384 each, and nothing else.
+[[nodiscard]] sdk::Expected<PictureSize> parse_size(std::string_view text);
 
 /// The words after a command's name, read one after another. The first one that is not as expected is remembered, all
 /// reading after it gives zeros, and `check()` tells.

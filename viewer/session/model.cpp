@@ -55,12 +55,16 @@ MeshShape::MeshShape(sdk::Mesh of)
       around(sphere_around(mesh)),
       normals(corner_normals(mesh, MeshStyle().crease_rad)) {}
 
+void SphereShape::show(sdk::SphereMesh other) {
+  shape = std::move(other);
+  tree.reset();
+  errors.reset();
+  unmeasured.clear();
+}
+
 void Model::go_to(std::size_t count) {
   spheres->cursor->go_to(count);
-  spheres->shape = spheres->cursor->sphere_mesh();
-  spheres->tree.reset();
-  spheres->errors.reset();
-  ++spheres_revision;
+  set_refined(spheres->cursor->sphere_mesh());
 }
 
 void Model::set_spheres(sdk::SphereMesh shape) {
@@ -70,9 +74,7 @@ void Model::set_spheres(sdk::SphereMesh shape) {
 }
 
 void Model::set_refined(sdk::SphereMesh shape) {
-  spheres->shape = std::move(shape);
-  spheres->tree.reset();
-  spheres->errors.reset();
+  spheres->show(std::move(shape));
   ++spheres_revision;
 }
 
@@ -86,6 +88,9 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
 
 void Model::take_pose() {
   set_refined(posing->shape());
+  const auto positions = posing->positions();
+  if (posed.triangles.size() != mesh->mesh.triangles.size()) posed = mesh->mesh;
+  posed.positions.assign(positions.begin(), positions.end());
   ++mesh_revision;
 }
 

@@ -39,6 +39,9 @@ struct SphereShape {
   sdk::SphereMesh shape;
   std::optional<sdk::SphereMeshTree> tree;         ///< of `shape`, made when it is first asked for
   std::optional<sdk::ApproximationErrors> errors;  ///< of `shape` against the mesh, once they are measured
+  std::string unmeasured;                          ///< why that cannot be done
+  /// Shows another shape.
+  void show(sdk::SphereMesh other);
 };
 
 /// What regions of a mesh are selected, and the regions like the last one.
@@ -64,7 +67,8 @@ struct Model {
   std::shared_ptr<const MeshShape> mesh;
   std::optional<SphereShape> spheres;
   Selecting selecting;
-  std::shared_ptr<Posing> posing;     ///< while the mesh is being deformed
+  std::shared_ptr<Posing> posing;     ///< while the mesh is being deformed; jobs may change it
+  sdk::Mesh posed;                    ///< how the mesh lies then
   std::vector<sdk::SphereId> handle;  ///< what is held of its level
   std::vector<float> values;          ///< of a map, by vertex, in [0, 1]; or empty
   /// Changes with what is drawn of each.

@@ -14,7 +14,7 @@ sdk::Expected<std::shared_ptr<Posing>> Posing::begin(std::shared_ptr<const MeshS
 
 Posing::Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk::Hierarchy> hierarchy,
                sdk::DeformationSession session)
-    : rest_(std::move(mesh)), hierarchy_(std::move(hierarchy)), session_(std::move(session)), now_(rest_->mesh) {}
+    : rest_(std::move(mesh)), hierarchy_(std::move(hierarchy)), session_(std::move(session)) {}
 
 std::size_t Posing::steps() const {
   const std::string text = session_.text();
@@ -24,54 +24,11 @@ std::size_t Posing::steps() const {
   return steps;
 }
 
-void Posing::follow() {
-  const auto positions = session_.positions();
-  now_.positions.assign(positions.begin(), positions.end());
-}
-
-sdk::Expected<void> Posing::move(const sdk::SphereMove& move) {
-  auto done = session_.move(move);
-  follow();
-  return done;
-}
-
-sdk::Expected<void> Posing::preview(const sdk::SphereMove& move) {
-  auto done = session_.preview(move);
-  follow();
-  return done;
-}
-
-void Posing::cancel_preview() {
-  session_.cancel();
-  follow();
-}
-
-sdk::Expected<void> Posing::go_to(std::size_t spheres) {
-  return session_.go_to(spheres);
-}
-
-sdk::Expected<void> Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
-  return session_.pin(spheres, pinned);
-}
-
 sdk::Expected<void> Posing::replay(std::string_view text, std::string_view name) {
   const std::size_t before = steps();
   auto done = session_.replay(text, name);
   if (!done)
     for (std::size_t more = steps(); more > before; --more) session_.undo();
-  follow();
-  return done;
-}
-
-bool Posing::undo() {
-  const bool done = session_.undo();
-  follow();
-  return done;
-}
-
-bool Posing::redo() {
-  const bool done = session_.redo();
-  follow();
   return done;
 }
 

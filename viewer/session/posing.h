@@ -12,8 +12,8 @@
 
 namespace armature::viewer {
 
-/// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session, what it needs to live, and the
-/// mesh as it lies. Thread-safe: no.
+/// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session and what it needs to live.
+/// Thread-safe: no; jobs change it, and what is shown meanwhile is the model's copy.
 class Posing {
  public:
   /// Fails where the hierarchy is of another mesh. Takes a while: a factorisation.
@@ -23,7 +23,7 @@ class Posing {
 
   ///@{
   /// As it lies now, a preview included.
-  [[nodiscard]] const sdk::Mesh& mesh() const noexcept { return now_; }
+  [[nodiscard]] std::span<const Eigen::Vector3d> positions() const noexcept { return session_.positions(); }
   [[nodiscard]] const sdk::SphereMesh& shape() const noexcept { return session_.shape(); }
   ///@}
   [[nodiscard]] std::size_t level() const noexcept { return shape().spheres.size(); }
@@ -35,25 +35,25 @@ class Posing {
 
   ///@{
   /// As the sdk's session has them; a replay that fails changes nothing.
-  [[nodiscard]] sdk::Expected<void> move(const sdk::SphereMove& move);
-  [[nodiscard]] sdk::Expected<void> preview(const sdk::SphereMove& move);
-  void cancel_preview();
-  [[nodiscard]] sdk::Expected<void> go_to(std::size_t spheres);
-  [[nodiscard]] sdk::Expected<void> pin(std::span<const sdk::SphereId> spheres, bool pinned);
+  [[nodiscard]] sdk::Expected<void> move(const sdk::SphereMove& move) { return session_.move(move); }
+  [[nodiscard]] sdk::Expected<void> preview(const sdk::SphereMove& move) { return session_.preview(move); }
+  void cancel_preview() { session_.cancel(); }
+  [[nodiscard]] sdk::Expected<void> go_to(std::size_t spheres) { return session_.go_to(spheres); }
+  [[nodiscard]] sdk::Expected<void> pin(std::span<const sdk::SphereId> spheres, bool pinned) {
+    return session_.pin(spheres, pinned);
+  }
   [[nodiscard]] sdk::Expected<void> replay(std::string_view text, std::string_view name);
-  bool undo();
-  bool redo();
+  bool undo() { return session_.undo(); }
+  bool redo() { return session_.redo(); }
   ///@}
 
  private:
   Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk::Hierarchy> hierarchy,
          sdk::DeformationSession session);
-  void follow();
 
   std::shared_ptr<const MeshShape> rest_;
   std::shared_ptr<const sdk::Hierarchy> hierarchy_;
   sdk::DeformationSession session_;  // refers to both
-  sdk::Mesh now_;
 };
 
 }  // namespace armature::viewer

@@ -23,6 +23,7 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     facts["spheres"] = std::to_string(shape.spheres.size());
     facts["edges"] = std::to_string(shape.edges.size());
     facts["triangles"] = std::to_string(shape.triangles.size());
+    if (!model.spheres->unmeasured.empty()) facts["unmeasured"] = model.spheres->unmeasured;
     if (const auto& errors = model.spheres->errors) {
       facts["hausdorff_percent"] = fmt::format("{:.4f}", errors->hausdorff);
       facts["mean_percent"] = fmt::format("{:.4f}", errors->mean_input_to_approximation);
@@ -32,7 +33,7 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     facts["held"] = std::to_string(model.handle.size());
     facts["steps"] = std::to_string(model.posing->steps());
     Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& position : model.posing->mesh().positions) box.extend(position);
+    for (const Eigen::Vector3d& position : model.posed.positions) box.extend(position);
     for (const auto& [name, place] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
       facts[fmt::format("lowest.{}", name)] = fmt::format("{:.5f}", box.min()[place]);
       facts[fmt::format("highest.{}", name)] = fmt::format("{:.5f}", box.max()[place]);
@@ -56,6 +57,7 @@ void report_walk(const Walk& walk, std::map<std::string, std::string>& facts) {
   facts["walk.heading"] = fmt::format("{:.3f}", walk.pose().heading_rad * kDegrees);
   facts["walk.walked"] = fmt::format("{:.4f}", walk.walked_m());
   facts["walk.state"] = walk.state_in_words();
+  facts["walk.rounds"] = std::to_string(walk.rounds());
   facts["walk.fresh"] = walk.fresh() ? "yes" : "no";
   if (const auto& settings = walk.settings()) {
     if (settings->turn_motion) facts["walk.turn"] = navproto::name(*settings->turn_motion);

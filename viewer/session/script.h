@@ -15,14 +15,15 @@ namespace armature::viewer {
 class Script {
  public:
   Script() = default;
-  explicit Script(std::vector<std::string> lines) : lines_(std::move(lines)) {}
+  /// Of no file: what fails says so without a place.
+  explicit Script(std::vector<std::string> lines);
   /// Fails where the file cannot be read.
   [[nodiscard]] static sdk::Expected<Script> read(const std::filesystem::path& path);
 
-  /// Another script's lines after these; what fails is named as that one is.
+  /// Another script's lines after these.
   void append(Script other);
 
-  /// Carries out what can be now; fails, with the file and the line, where a line or its work failed. Call it once a
+  /// Carries out what can be now; fails where a line or its work failed, with its place in its file. Call it once a
   /// frame, after `session.update()`.
   [[nodiscard]] sdk::Expected<void> step(Session& session);
   [[nodiscard]] bool done(const Session& session) const noexcept {
@@ -30,10 +31,11 @@ class Script {
   }
 
  private:
-  std::string name_ = "the script";
-  std::vector<std::string> lines_;
+  struct Line {
+    std::string text, place;  // in a file, or empty
+  };
+  std::vector<Line> lines_;
   std::size_t next_ = 0;
-  std::size_t before_ = 0;  // lines of others
 };
 
 }  // namespace armature::viewer

@@ -64,10 +64,13 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   if (auto done = command->run(*this, arguments); !done) return fails(name + ": " + done.error().message);
   if (job.running() && !was_running) {
     pending_line_ = line_;
+    pending_at_ = log_.size();
     return {};
   }
   if (is_about_scripts(*command)) return {};
-  if (!log_.empty() && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
+  // What a job began with stays before it.
+  const std::size_t first = job.running() ? pending_at_ : 0;
+  if (log_.size() > first && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
   log_.push_back(line_);
   return {};
 }
@@ -80,7 +83,7 @@ void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
   if (*done) {
-    log_.push_back(pending_line_);
+    log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
     tell(job.title() + " was cancelled; everything is as it was");
   } else {
@@ -102,16 +105,20 @@ void Session::update(Time time) {
 
 /// Once the level has stood for a moment, its error is measured in the background; one at a time, the last one wins.
 void Session::measure_level() {
-  static_cast<void>(measuring_.poll());
+  const auto done = measuring_.poll();
   if (models.empty()) return;
   const std::shared_ptr<Model>& model = models[active_model];
   if (!model->mesh || model->posing || !model->spheres || model->spheres->shape.spheres.empty()) return;
-  if (model->spheres_revision != measured_revision_) {
+  if (measured_.lock() != model || model->spheres_revision != measured_revision_) {
+    measured_ = model;
     measured_revision_ = model->spheres_revision;
     level_since_ = now;
     if (measuring_.running()) measuring_.cancel();
+  } else if (done && !*done && done->error().kind != sdk::ErrorKind::Cancelled) {
+    model->spheres->unmeasured = done->error().message;
   }
-  if (model->spheres->errors || measuring_.running() || now - level_since_ < kLevelRests) return;
+  if (model->spheres->errors || !model->spheres->unmeasured.empty()) return;
+  if (measuring_.running() || now - level_since_ < kLevelRests) return;
   measuring_.start("measuring",
                    [mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
                     weak = std::weak_ptr<Model>(model),

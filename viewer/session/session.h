@@ -12,6 +12,7 @@
 
 #include <armature/sdk/error.h>
 
+#include "viewer/session/arguments.h"
 #include "viewer/session/job.h"
 #include "viewer/session/model.h"
 #include "viewer/session/orbit_camera.h"
@@ -53,7 +54,7 @@ struct Picked {
 /// A picture that a script asks for; whoever draws makes it.
 struct PictureRequest {
   std::string file;
-  int width = 0, height = 0;  ///< 0: that of the window
+  std::optional<PictureSize> size = {};  ///< or that of the window
 };
 
 /// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
@@ -126,8 +127,10 @@ class Session {
 
   std::vector<std::string> log_;
   std::string line_, pending_line_;  // being carried out; whose job runs
+  std::size_t pending_at_ = 0;       // where that belongs in the log: after what was carried out before it
   Job measuring_;
-  std::uint64_t measured_revision_ = 0;  // of the spheres that are being measured
+  std::weak_ptr<const Model> measured_;  // whose spheres are or were measured last,
+  std::uint64_t measured_revision_ = 0;  // and which of them
   Time level_since_{0};
 };
 

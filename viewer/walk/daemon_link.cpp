@@ -9,9 +9,10 @@ namespace armature::viewer {
 
 using namespace std::chrono_literals;
 
-DaemonLink::DaemonLink(std::string endpoint)
+DaemonLink::DaemonLink(std::string endpoint, std::optional<navproto::CurveClient> curve)
     : endpoint_(std::move(endpoint)),
-      stream_(endpoint_),
+      curve_(std::move(curve)),
+      stream_(endpoint_, {.curve = curve_}),
       feed_thread_([this](const std::stop_token& stop) { receive_feed(stop); }),
       control_thread_([this](const std::stop_token& stop) { serve_requests(stop); }) {}
 
@@ -32,18 +33,18 @@ void DaemonLink::want_feed(bool wanted) {
   asked_.notify_all();
 }
 
-void DaemonLink::request(navproto::ControlRequest request) {
+void DaemonLink::request(navproto::ControlRequest request, bool quiet) {
   const std::lock_guard lock(mutex_);
-  requests_.push_back(std::move(request));
+  requests_.push_back({std::move(request), quiet});
   asked_.notify_all();
 }
 
-std::optional<navproto::Expected<navproto::ControlReply>> DaemonLink::take_reply() {
+std::optional<DaemonLink::Answer> DaemonLink::take_answer() {
   const std::lock_guard lock(mutex_);
-  if (replies_.empty()) return std::nullopt;
-  auto reply = std::move(replies_.front());
-  replies_.pop_front();
-  return reply;
+  if (answers_.empty()) return std::nullopt;
+  auto answer = std::move(answers_.front());
+  answers_.pop_front();
+  return answer;
 }
 
 std::optional<navproto::ControlSettings> DaemonLink::settings() const {
@@ -68,7 +69,7 @@ void DaemonLink::receive_feed(const std::stop_token& stop) {
       }
     }
     if (!subscriber) {
-      auto connected = navproto::FeedSubscriber::connect(endpoint_);
+      auto connected = navproto::FeedSubscriber::connect(endpoint_, curve_);
       if (!connected) return;  // the stream's subscriber says why
       subscriber = std::move(*connected);
     }
@@ -82,28 +83,29 @@ void DaemonLink::receive_feed(const std::stop_token& stop) {
 }
 
 void DaemonLink::serve_requests(const std::stop_token& stop) {
+  if (!has_control()) return;
   auto client = navproto::ControlClient::connect(endpoint_);
   if (!client) return;
   auto last_status = std::chrono::steady_clock::time_point();
   while (!stop.stop_requested()) {
-    std::optional<navproto::ControlRequest> request;
+    std::optional<Asked> asked;
     {
       std::unique_lock lock(mutex_);
       asked_.wait_for(lock, stop, 250ms, [this] { return !requests_.empty(); });
       if (!requests_.empty()) {
-        request = std::move(requests_.front());
+        asked = std::move(requests_.front());
         requests_.pop_front();
       }
     }
     // Now and then what holds is asked for: others may change it, or the daemon may be another one.
-    const bool asks = request.has_value();
     const auto now = std::chrono::steady_clock::now();
-    if (!asks && now - last_status < 2s) continue;
+    if (!asked && now - last_status < 2s) continue;
     last_status = now;
-    auto reply = client->request(request.value_or(navproto::ControlRequest{}), asks ? 2000ms : 500ms);
+    auto reply = client->request(asked ? asked->request : navproto::ControlRequest{}, asked ? 2000ms : 500ms);
     const std::lock_guard lock(mutex_);
     if (reply) settings_ = reply->settings;
-    if (asks) replies_.push_back(std::move(reply));
+    const bool done = reply && reply->error.empty();
+    if (asked && !(asked->quiet && done)) answers_.push_back({asked->request.kind, std::move(reply)});
   }
 }
 

@@ -21,8 +21,9 @@ namespace armature::viewer {
 /// by one thread.
 class DaemonLink {
  public:
-  /// A malformed endpoint leaves a link that never hears anything; `error()` says so.
-  explicit DaemonLink(std::string endpoint);
+  /// `curve`: who we are, to a daemon over tcp that asks. A malformed endpoint leaves a link that never hears anything;
+  /// `error()` says so.
+  explicit DaemonLink(std::string endpoint, std::optional<navproto::CurveClient> curve = {});
   ~DaemonLink();
   DaemonLink(const DaemonLink&) = delete;
   DaemonLink& operator=(const DaemonLink&) = delete;
@@ -34,10 +35,17 @@ class DaemonLink {
   /// Whether frames are to be asked for at all.
   void want_feed(bool wanted);
 
-  /// Sends a request when those before it are answered.
-  void request(navproto::ControlRequest request);
-  /// The next answer to a request that asked for something, or why there is none.
-  [[nodiscard]] std::optional<navproto::Expected<navproto::ControlReply>> take_reply();
+  /// Whether it can be asked for anything: over tcp it cannot.
+  [[nodiscard]] bool has_control() const { return endpoint_.starts_with("ipc:"); }
+  /// Sends a request when those before it are answered. `quiet`: its answer counts only where it is a failure.
+  void request(navproto::ControlRequest request, bool quiet = false);
+  /// What became of a request.
+  struct Answer {
+    navproto::RequestKind kind;
+    navproto::Expected<navproto::ControlReply> reply;  ///< or why there is none
+  };
+  /// The next answer to a request.
+  [[nodiscard]] std::optional<Answer> take_answer();
   /// What holds, as the last answer said.
   [[nodiscard]] std::optional<navproto::ControlSettings> settings() const;
   [[nodiscard]] std::optional<std::string> error() const;
@@ -46,14 +54,19 @@ class DaemonLink {
   void receive_feed(const std::stop_token& stop);
   void serve_requests(const std::stop_token& stop);
 
+  struct Asked {
+    navproto::ControlRequest request;
+    bool quiet;
+  };
   std::string endpoint_;
+  std::optional<navproto::CurveClient> curve_;
   navproto::NavSubscriber stream_;
   mutable std::mutex mutex_;
   std::condition_variable_any asked_;
   bool feed_wanted_ = true;
   std::shared_ptr<const navproto::FeedMessage> feed_;
-  std::deque<navproto::ControlRequest> requests_;
-  std::deque<navproto::Expected<navproto::ControlReply>> replies_;
+  std::deque<Asked> requests_;
+  std::deque<Answer> answers_;
   std::optional<navproto::ControlSettings> settings_;
   std::jthread feed_thread_, control_thread_;
 };

@@ -38,25 +38,27 @@ pid_t spawn(const std::vector<std::string>& words, const fs::path& out, const fs
   _exit(127);
 }
 
-/// The daemon's settings, written out where there are none; empty where that cannot be done.
-fs::path settings_file(const fs::path& program, const fs::path& folder) {
+/// Where a user's settings are kept; empty for a user without a home.
+fs::path kept_settings() {
   const char* config = std::getenv("XDG_CONFIG_HOME");  // NOLINT(concurrency-mt-unsafe): nobody changes it
   const char* home = std::getenv("HOME");               // NOLINT(concurrency-mt-unsafe)
-  fs::path path = config != nullptr && *config != 0 ? fs::path(config)
-                  : home != nullptr                 ? fs::path(home) / ".config"
-                                                    : fs::path();
-  if (path.empty()) return {};
-  path = path / "armature" / "viewer.toml";
-  std::error_code error;
-  if (fs::exists(path, error)) return path;
-  fs::create_directories(path.parent_path(), error);
-  const fs::path written = folder / "settings.toml";
-  const pid_t child = spawn({program.string(), "--print-config"}, written, "/dev/null");
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || status != 0) return {};
-  fs::copy_file(written, path, error);
-  return error ? fs::path() : path;
+  const fs::path folder = config != nullptr && *config != 0 ? fs::path(config)
+                          : home != nullptr                 ? fs::path(home) / ".config"
+                                                            : fs::path();
+  return folder.empty() ? fs::path() : folder / "armature" / "viewer.toml";
 }
+
+/// The daemon's own copy of the settings: those that were kept, or the defaults. Whether there is one.
+bool write_settings(const fs::path& program, const fs::path& copy) {
+  std::error_code error;
+  const fs::path kept = kept_settings();
+  if (!kept.empty() && fs::copy_file(kept, copy, error)) return true;
+  const pid_t child = spawn({program.string(), "--print-config"}, copy, "/dev/null");
+  int status = 0;
+  return child >= 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
+constexpr const char* kSettings = "settings.toml";
 
 }  // namespace
 
@@ -73,8 +75,8 @@ navproto::Expected<DaemonProcess> DaemonProcess::start(const std::string& source
   daemon.source_ = source;
   daemon.endpoint_ = "ipc://" + name + "/nav";
   std::vector<std::string> words = {program.string(), "--source", source, "--endpoint", daemon.endpoint_};
-  if (const fs::path settings = settings_file(program, name); !settings.empty())
-    words.insert(words.end(), {"--config", settings.string()});
+  const fs::path settings = daemon.folder_ / kSettings;
+  if (write_settings(program, settings)) words.insert(words.end(), {"--config", settings.string()});
   daemon.process_ = spawn(words, "/dev/null", daemon.folder_ / "log");
   if (daemon.process_ < 0) return navproto::fail(program.string() + ": could not be started");
   return daemon;
@@ -96,6 +98,18 @@ DaemonProcess& DaemonProcess::operator=(DaemonProcess&& other) noexcept {
 
 DaemonProcess::~DaemonProcess() {
   end();
+}
+
+navproto::Expected<fs::path> DaemonProcess::keep_settings() const {
+  const fs::path kept = kept_settings();
+  if (kept.empty()) return navproto::fail("there is no home to keep settings in; set HOME or XDG_CONFIG_HOME");
+  std::error_code error;
+  fs::create_directories(kept.parent_path(), error);
+  const fs::path unfinished = kept.string() + ".part";
+  fs::copy_file(folder_ / kSettings, unfinished, fs::copy_options::overwrite_existing, error);
+  if (!error) fs::rename(unfinished, kept, error);
+  if (error) return navproto::fail(kept.string() + ": cannot be written: " + error.message());
+  return kept;
 }
 
 bool DaemonProcess::running() {

@@ -12,8 +12,8 @@ namespace armature::viewer {
 class DaemonProcess {
  public:
   /// Starts the program that lies beside this one, or in `programs` if that is given. It publishes to `endpoint()`, in
-  /// a private folder, and keeps its settings in armature/viewer.toml of the user's configuration. Fails where the
-  /// program is not there or cannot be started.
+  /// a private folder, with the settings of armature/viewer.toml of the user's configuration where somebody has kept
+  /// some there. Fails where the program is not there or cannot be started.
   [[nodiscard]] static navproto::Expected<DaemonProcess> start(const std::string& source,
                                                                const std::filesystem::path& programs = {});
   DaemonProcess(DaemonProcess&& other) noexcept;
@@ -22,6 +22,8 @@ class DaemonProcess {
 
   [[nodiscard]] const std::string& endpoint() const noexcept { return endpoint_; }
   [[nodiscard]] const std::string& source() const noexcept { return source_; }
+  /// Keeps what the daemon has saved, for the next time; where that is.
+  [[nodiscard]] navproto::Expected<std::filesystem::path> keep_settings() const;
   /// False once it has ended.
   [[nodiscard]] bool running();
   /// The last line that it wrote before it ended, without a time.

@@ -23,10 +23,11 @@ sdk::Expected<void> ours(navproto::Expected<void> result) {
 
 }  // namespace
 
-sdk::Expected<void> Walk::connect(const std::string& endpoint) {
+sdk::Expected<void> Walk::connect(const std::string& endpoint, std::optional<navproto::CurveClient> curve) {
   if (const auto checked = navproto::endpoints_of(endpoint); !checked) return sdk::fail(checked.error().message);
+  if (curve && !endpoint.starts_with("tcp:")) return sdk::fail(endpoint + ": keys are for tcp:// alone");
   disconnect();
-  link_ = std::make_unique<DaemonLink>(endpoint);
+  link_ = std::make_unique<DaemonLink>(endpoint, std::move(curve));
   return {};
 }
 
@@ -39,6 +40,13 @@ sdk::Expected<void> Walk::start_daemon(const std::string& source) {
 }
 
 void Walk::disconnect() {
+  if (link_ || daemon_) {
+    // Nobody waits until a daemon has ended, or an answer has failed to come.
+    endings_.push_back(std::async(std::launch::async, [link = std::move(link_), daemon = std::move(daemon_)]() mutable {
+      link.reset();
+      daemon.reset();
+    }));
+  }
   link_.reset();
   daemon_.reset();
   navigation_.reset();
@@ -50,6 +58,26 @@ void Walk::disconnect() {
   fresh_ = false;
   heard_.reset();
   error_.clear();
+  rounds_ = 0;
+}
+
+void Walk::tell(std::string message, bool is_error) {
+  message_ = std::move(message);
+  message_is_error_ = is_error;
+}
+
+void Walk::take_answers() {
+  while (const auto answer = link_->take_answer()) {
+    const auto& [kind, reply] = *answer;
+    if (!reply || !reply->error.empty()) {
+      tell(reply ? reply->error : reply.error().message, true);
+    } else if (kind == navproto::RequestKind::Save && daemon_) {
+      const auto kept = daemon_->keep_settings();
+      tell(kept ? "done: kept in " + kept->string() : kept.error().message, !kept);
+    } else {
+      tell("done", false);
+    }
+  }
 }
 
 void Walk::hear() {
@@ -61,23 +89,33 @@ void Walk::hear() {
   velocity_ = stream.velocity();
   settings_ = link_->settings();
   for (const auto& event : stream.take_events()) {
-    if (event.header.replayed || event.text.empty()) continue;
-    message_ = event.text;
-    message_is_error_ = false;
+    if (!event.header.replayed && !event.text.empty()) tell(event.text, false);
   }
-  while (const auto reply = link_->take_reply()) {
-    message_is_error_ = !*reply || !(*reply)->error.empty();
-    message_ = !*reply ? reply->error().message : (*reply)->error;
-    if (message_.empty()) message_ = "done";
-  }
+  take_answers();
   if (auto error = link_->error(); error && *error != error_) {
     error_ = *error;
-    message_ = *std::move(error);
-    message_is_error_ = true;
+    tell(*std::move(error), true);
   }
 }
 
+/// A daemon of our own that has ended is started again.
+void Walk::look_after_daemon() {
+  if (daemon_->running()) return;
+  const std::string source = daemon_->source();
+  if (!heard_) {
+    const std::string words = daemon_->last_words();
+    disconnect();
+    return tell(words.empty() ? "armatured ended at once" : words, true);
+  }
+  auto settings = settings_;
+  const int rounds = rounds_ + 1;
+  if (auto again = start_daemon(source); !again) return tell(again.error().message, true);
+  rounds_ = rounds;
+  if (settings) link_->request({.kind = navproto::RequestKind::Set, .settings = std::move(*settings)}, true);
+}
+
 void Walk::update(Time now) {
+  std::erase_if(endings_, [](std::future<void>& ending) { return ending.wait_for(0s) == std::future_status::ready; });
   const auto step = advanced_ ? std::min<Time>(now - *advanced_, kLongestStep) : Time(0);
   advanced_ = now;
   if (link_) {
@@ -86,25 +124,11 @@ void Walk::update(Time now) {
     const bool was_fresh = fresh_;
     if (navigation_ && !navigation_->header.replayed && navigation_->header.sequence != last) heard_ = now;
     fresh_ = heard_ && now - *heard_ < 1s;
-    if (was_fresh && !fresh_ && !daemon_) {
-      message_ = "the daemon at " + link_->endpoint() + " has fallen silent; waiting for it to come back";
-      message_is_error_ = true;
-    }
+    if (was_fresh && !fresh_ && !daemon_)
+      tell("the daemon at " + link_->endpoint() + " has fallen silent; waiting for it to come back", true);
     if (daemon_ && now - daemon_checked_ > 1s) {
       daemon_checked_ = now;
-      if (!daemon_->running()) {
-        const std::string source = daemon_->source();
-        const bool never_spoke = !heard_;
-        const std::string words = daemon_->last_words();
-        if (never_spoke) {
-          disconnect();
-          message_ = words.empty() ? "armatured ended at once" : words;
-          message_is_error_ = true;
-        } else if (auto again = start_daemon(source); !again) {
-          message_ = again.error().message;
-          message_is_error_ = true;
-        }
-      }
+      look_after_daemon();
     }
   }
   const navproto::CameraPose before = camera_.pose();
@@ -116,6 +140,8 @@ void Walk::update(Time now) {
 
 sdk::Expected<void> Walk::request(navproto::ControlRequest request) {
   if (!link_) return sdk::fail("no daemon is connected; connect to one, or start one on a synthetic person");
+  if (!link_->has_control())
+    return sdk::fail("settings are changed on the daemon's own machine alone; connect there, by ipc://");
   link_->request(std::move(request));
   return {};
 }

@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <armature/navproto/control_messages.h>
 #include <armature/navproto/messages.h>
@@ -28,10 +30,11 @@ class Walk {
   Walk() = default;
 
   ///@{
-  /// To whom it listens. `connect` ends a daemon of our own.
-  [[nodiscard]] sdk::Expected<void> connect(const std::string& endpoint);
+  /// To whom it listens. `connect` ends a daemon of our own. `curve`: who we are, to a daemon over tcp that asks.
+  [[nodiscard]] sdk::Expected<void> connect(const std::string& endpoint,
+                                            std::optional<navproto::CurveClient> curve = {});
   /// Starts a daemon of our own on a source, a synthetic person for instance, and listens to it. It is started again
-  /// when its source ends.
+  /// when its source ends, with the settings that held.
   [[nodiscard]] sdk::Expected<void> start_daemon(const std::string& source);
   void disconnect();
   ///@}
@@ -54,6 +57,8 @@ class Walk {
   [[nodiscard]] bool connected() const noexcept { return link_ != nullptr; }
   [[nodiscard]] std::string endpoint() const { return link_ ? link_->endpoint() : std::string(); }
   [[nodiscard]] bool owns_daemon() const noexcept { return daemon_.has_value(); }
+  /// How often the source of a daemon of our own has ended.
+  [[nodiscard]] int rounds() const noexcept { return rounds_; }
   /// Whether the stream is alive.
   [[nodiscard]] bool fresh() const noexcept { return fresh_; }
   [[nodiscard]] const std::optional<navproto::NavigationMessage>& navigation() const noexcept { return navigation_; }
@@ -74,10 +79,15 @@ class Walk {
 
  private:
   void hear();
+  void tell(std::string message, bool is_error);
+  void take_answers();
+  void look_after_daemon();
 
-  mutable std::optional<City> city_;  // made when first looked at
+  mutable std::optional<City> city_;        // made when first looked at
+  std::vector<std::future<void>> endings_;  // of those that were left: they may take seconds
   std::optional<DaemonProcess> daemon_;
   std::unique_ptr<DaemonLink> link_;  // goes before the daemon
+  int rounds_ = 0;
   bool fresh_ = false;
   std::optional<navproto::NavigationMessage> navigation_;
   std::optional<navproto::SkeletonMessage> skeleton_;

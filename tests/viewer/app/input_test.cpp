@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "viewer/app/ui.h"
+#include "viewer/session/posing.h"
 #include "viewer/session/script.h"
 
 namespace armature::viewer {
@@ -178,6 +179,31 @@ TEST_F(Hands, LeaveLinesThatDoTheSame) {
   }
   EXPECT_EQ(again.models.front()->selecting.selection.faces(), session.models.front()->selecting.selection.faces());
   EXPECT_TRUE(again.camera.view_from_world().isApprox(session.camera.view_from_world(), 1e-5));
+}
+
+TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
+  for (const char* line : {"build", "level 4", "pose", "handle 0", "translate 0 0.2 0", "handle 0"}) {
+    ASSERT_TRUE(session.execute(line)) << line;
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  }
+  const Model& model = *session.models.front();
+  const auto grip = session.camera.project(model.posing->shape().spheres.front().centre);
+  const ImVec2 from(300 + 200 * static_cast<float>(grip.x()), 200 - 200 * static_cast<float>(grip.y()));
+  frame(from);
+  ImGui::GetIO().MouseDown[0] = true;
+  frame(from);
+  frame({from.x + 30, from.y});
+  EXPECT_NE(model.posed.positions, model.mesh->mesh.positions) << "a preview";
+  // Ctrl+Z in the middle of the drag.
+  ASSERT_TRUE(session.execute("undo"));
+  frame({from.x + 60, from.y});
+  EXPECT_EQ(model.posed.positions, model.mesh->mesh.positions);
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({from.x + 60, from.y});
+  ASSERT_TRUE(session.execute("handle 0"));
+  frame({from.x + 90, from.y + 10});
+  EXPECT_EQ(model.posed.positions, model.mesh->mesh.positions) << "that drag is over";
+  EXPECT_EQ(model.posing->steps(), 0U);
 }
 
 TEST_F(Hands, WalkThroughTheCity) {

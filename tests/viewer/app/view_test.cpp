@@ -159,9 +159,12 @@ TEST_F(TheView, ShowsSphereMeshesAndMeshesInTheOrderOfTheirDepths) {
 TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
   session.add(model_of(tangle(5)));
   const Image first = painted();
+  const std::size_t before = stage()->painter->painted();
   EXPECT_EQ(painted().rgb, first.rgb);
+  EXPECT_EQ(stage()->painter->painted(), before) << "nothing has changed";
   ASSERT_TRUE(session.execute("camera 40 20"));
   EXPECT_NE(painted().rgb, first.rgb);
+  EXPECT_EQ(stage()->painter->painted(), before + 1);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <numbers>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include "viewer/session/command.h"
 #include "viewer/session/job.h"
 #include "viewer/session/orbit_camera.h"
+#include "viewer/session/script.h"
 #include "viewer/walk/path_task.h"
 
 namespace armature::viewer {
@@ -28,7 +31,8 @@ TEST(Lines, AreWordsWithQuotesAndComments) {
 }
 
 TEST(Lines, KeepWordsOfAnyKind) {
-  for (const std::string word : {"plain", "two words", R"(a "quote")", R"(back\slash)", "#hash", ""})
+  for (const std::string word :
+       {"plain", "two words", R"(a "quote")", R"(back\slash)", "#hash", "", "two\nlines", R"(a \n b)"})
     EXPECT_EQ(*split_words("open " + as_word(word)), (Words{"open", word}));
 }
 
@@ -54,6 +58,74 @@ TEST(Lines, OfACameraThatMovesCountOnce) {
   for (const char* line : {"camera 10 10", "camera 20 10", "wireframe on", "camera 30 10", "camera 40 10"})
     ASSERT_TRUE(session.execute(line));
   EXPECT_EQ(session.log(), (Words{"camera 20 10", "wireframe on", "camera 40 10"}));
+}
+
+TEST(Lines, OfWorkStandWhereItBegan) {
+  Session session;
+  auto model = std::make_shared<Model>();
+  model->name = "triangle";
+  sdk::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{sdk::VertexId(0), sdk::VertexId(1), sdk::VertexId(2)}};
+  model->mesh = std::make_shared<const MeshShape>(std::move(mesh));
+  session.add(model);
+  ASSERT_TRUE(session.execute("camera 0 0"));
+  ASSERT_TRUE(session.execute("lasso -1 -1 1 -1 1 1 -1 1"));
+  ASSERT_TRUE(session.job.running());
+  ASSERT_TRUE(session.execute("camera 30 10"));  // moves on meanwhile
+  ASSERT_TRUE(session.execute("combine subtract"));
+  while (session.job.running()) session.update(session.now + 5ms);
+  EXPECT_EQ(session.log(), (Words{"camera 0 0", "lasso -1 -1 1 -1 1 1 -1 1", "camera 30 10", "combine subtract"}));
+  EXPECT_EQ(model->selecting.selection.faces().size(), 1U) << "as it was combined when it began";
+}
+
+TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
+  Session session;
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(sdk::Mesh{.positions = {{0, 0, 0}, {1, 0, 0}}, .triangles = {}});
+  sdk::SphereMesh shape;
+  shape.spheres = {{{0, 0, 0}, 1}};
+  model->set_spheres(std::move(shape));
+  session.add(model);
+  const auto wait = [&] {
+    for (int i = 0; i < 5000 && model->spheres->unmeasured.empty(); ++i) {
+      session.update(session.now + 200ms);
+      std::this_thread::sleep_for(1ms);
+    }
+    return model->spheres->unmeasured;
+  };
+  const std::string why = wait();
+  EXPECT_FALSE(why.empty());
+  for (int i = 0; i < 10; ++i) session.update(session.now + 200ms);
+  EXPECT_EQ(model->spheres->unmeasured, why) << "and stays said";
+  EXPECT_EQ(session.report()["unmeasured"], why);
+}
+
+TEST(Sizes, AreReadStrictly) {
+  EXPECT_EQ(parse_size("640x480")->width, 640);
+  EXPECT_EQ(parse_size("640x480")->height, 480);
+  for (const char* text :
+       {"", "640", "x", "640x", "640x480 ", "640x480junk", "6.4x480", "15x100", "100x16385", "-64x64"})
+    EXPECT_FALSE(parse_size(text)) << text;
+}
+
+TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
+  const auto failure = [](Script script) {
+    Session session;
+    for (;;) {
+      session.update(session.now + 5ms);
+      if (const auto stepped = script.step(session); !stepped) return stepped.error().message;
+      if (script.done(session)) return std::string();
+    }
+  };
+  const std::string file = ::testing::TempDir() + "viewer_script.txt";
+  std::ofstream(file) << "# a script\ntool hammer\n";
+  EXPECT_EQ(failure(Script({"open nothing.off"})).find("nothing.off"), 0U);
+  EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: tool"), 0U);
+  Script both({"try open nothing.off", "mode walk"});
+  both.append(*Script::read(file));
+  EXPECT_EQ(failure(both).find(file + ", line 2: tool"), 0U);
+  std::remove(file.c_str());
 }
 
 TEST(Commands, HaveOneMeaningEach) {

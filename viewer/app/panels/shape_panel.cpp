@@ -62,10 +62,14 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   if (spheres.errors) {
     ImGui::Text("Error: mean %.2f %%, largest %.2f %%", spheres.errors->mean_input_to_approximation,
                 spheres.errors->hausdorff);
-  } else {
+  } else if (spheres.unmeasured.empty()) {
     ImGui::TextDisabled("Error: being measured");
+  } else {
+    ImGui::TextDisabled("Error: cannot be measured");
   }
-  if (ImGui::IsItemHovered())
+  if (ImGui::IsItemHovered() && !spheres.unmeasured.empty()) {
+    ImGui::SetTooltip("%s", spheres.unmeasured.c_str());
+  } else if (ImGui::IsItemHovered())
     ImGui::SetTooltip("Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
 }
 

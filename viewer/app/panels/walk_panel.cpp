@@ -83,6 +83,24 @@ void draw_settings(Ui& ui, const navproto::ControlSettings& settings) {
   if (ImGui::Button("New rest pose")) ui.issue("rerest");
 }
 
+/// Which daemon; over a network also who we are.
+void draw_connection(Ui& ui) {
+  static std::array<char, 256> endpoint{"ipc:///run/armature/nav"}, keys{}, server{};
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputText("##endpoint", endpoint.data(), endpoint.size());
+  const bool network = std::string_view(endpoint.data()).starts_with("tcp:");
+  if (network) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##keys", "our key file, if it asks for one", keys.data(), keys.size());
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##server", "its public key", server.data(), server.size());
+  }
+  if (!ImGui::Button("Connect to this daemon", {-1, 0})) return;
+  std::string line = "connect " + as_word(endpoint.data());
+  if (network && keys[0] != 0) line += fmt::format(" {} {}", as_word(keys.data()), as_word(server.data()));
+  ui.issue("{}", line);
+}
+
 void draw_path(Ui& ui) {
   const auto& task = ui.session.walk.task();
   section("Follow a path");
@@ -110,11 +128,8 @@ void draw_walk_panel(Ui& ui) {
   section(walk.connected() ? "Your body" : "Who steers");
   ImGui::TextWrapped("%s", walk.state_in_words().c_str());
   if (!walk.connected()) {
-    static std::array<char, 256> endpoint{"ipc:///run/armature/nav"};
     if (accent_button("Start a synthetic person", -1)) ui.issue("person");
-    ImGui::SetNextItemWidth(-1);
-    ImGui::InputText("##endpoint", endpoint.data(), endpoint.size());
-    if (ImGui::Button("Connect to this daemon", {-1, 0})) ui.issue("connect {}", as_word(endpoint.data()));
+    draw_connection(ui);
   } else {
     if (const auto& health = walk.health())
       ImGui::TextDisabled("%.0f frames a second, %.1f ms", static_cast<double>(health->frames_per_second),

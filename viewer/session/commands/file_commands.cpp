@@ -1,9 +1,9 @@
 // Opening, choosing, closing and writing models.
 #include <array>
-#include <fstream>
 
 #include "viewer/session/command.h"
 #include "viewer/session/session.h"
+#include "viewer/session/write_text.h"
 
 namespace armature::viewer {
 namespace {
@@ -54,10 +54,9 @@ Done beside(Session& session, Arguments& arguments) {
 Done save_session(Session& session, Arguments& arguments) {
   const std::string file = arguments.word("file");
   if (auto checked = arguments.check(); !checked) return checked;
-  std::ofstream out(file);
-  for (const std::string& line : session.log()) out << line << '\n';
-  out.close();
-  if (!out) return sdk::fail(file + ": cannot be written");
+  std::string text;
+  for (const std::string& line : session.log()) text += line + '\n';
+  if (auto written = write_text(file, text); !written) return written;
   session.tell("wrote " + file);
   return {};
 }

@@ -7,6 +7,7 @@
 #include "viewer/session/command.h"
 #include "viewer/session/posing.h"
 #include "viewer/session/session.h"
+#include "viewer/session/write_text.h"
 
 namespace armature::viewer {
 namespace {
@@ -106,10 +107,7 @@ Done save_pose(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
-  std::ofstream out(file);
-  out << (*model)->posing->text();
-  out.close();
-  if (!out) return sdk::fail(file + ": cannot be written");
+  if (auto written = write_text(file, (*model)->posing->text()); !written) return written;
   session.tell("wrote " + file);
   return {};
 }
@@ -139,20 +137,20 @@ Done bake(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto active = posed(session);
   if (!active) return tl::unexpected(active.error());
-  session.start("making a mesh of the pose",
-                [&session, mesh = (*active)->posing->mesh(),
-                 name = (*active)->name](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-                  auto model = std::make_shared<Model>();
-                  model->name = name + " posed";
-                  model->mesh = std::make_shared<const MeshShape>(mesh);
-                  return Job::Apply([&session, model] {
-                    const OrbitCamera camera = session.camera;
-                    session.tool = Tool::Look;
-                    session.looks.mesh = MeshLook::Solid;
-                    session.add(model);
-                    session.camera = camera;
-                  });
-                });
+  session.start(
+      "making a mesh of the pose",
+      [&session, mesh = (*active)->posed, name = (*active)->name](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        auto model = std::make_shared<Model>();
+        model->name = name + " posed";
+        model->mesh = std::make_shared<const MeshShape>(mesh);
+        return Job::Apply([&session, model] {
+          const OrbitCamera camera = session.camera;
+          session.tool = Tool::Look;
+          session.looks.mesh = MeshLook::Solid;
+          session.add(model);
+          session.camera = camera;
+        });
+      });
   return {};
 }
 

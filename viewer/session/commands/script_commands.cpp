@@ -82,10 +82,9 @@ Done report(Session& session, Arguments& arguments) {
 Done screenshot(Session& session, Arguments& arguments) {
   PictureRequest request{.file = arguments.word("file")};
   if (arguments.left() > 0) {
-    const std::string size = arguments.word("size");
-    if (std::sscanf(size.c_str(), "%dx%d", &request.width, &request.height) != 2 ||  // NOLINT: checked
-        request.width < 16 || request.height < 16 || request.width > 16384 || request.height > 16384)
-      return sdk::fail("size: expected WIDTHxHEIGHT of 16 to 16384 pixels, found " + as_word(size));
+    const auto size = parse_size(arguments.word("size"));
+    if (!size) return sdk::fail("size: " + size.error().message);
+    request.size = *size;
   }
   if (auto checked = arguments.check(); !checked) return checked;
   session.picture = std::move(request);

@@ -22,10 +22,10 @@ constexpr double kClear = 0.85;
 
 /// What a gesture selected joins the selection, and becomes what others are compared with. `again`: it refines the last
 /// gesture, in place of which it counts.
-void take_reference(Session& session, Model& model, Selecting::Kind kind, Faces faces, bool again) {
+void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces faces, bool again) {
   Selecting& selecting = model.selecting;
   if (again) selecting.selection.undo();
-  selecting.selection.combine(faces, session.combine);
+  selecting.selection.combine(faces, how);
   selecting.kind = kind;
   selecting.reference = std::move(faces);
   selecting.expansion.reset();
@@ -47,7 +47,7 @@ Done click(Session& session, Arguments& arguments) {
   const sdk::FaceId face(arguments.count("face", 0, (*model)->mesh->mesh.triangles.size() - 1));
   if (auto checked = arguments.check(); !checked) return checked;
   session.start("finding components",
-                [&session, face,
+                [how = session.combine, face,
                  model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   std::shared_ptr<sdk::ComponentIndex> index = model->selecting.components;
                   if (!index) {
@@ -57,9 +57,9 @@ Done click(Session& session, Arguments& arguments) {
                   }
                   auto faces = index->select(face);
                   if (!faces) return tl::unexpected(faces.error());
-                  return Job::Apply([&session, model, index, faces = std::move(*faces)] {
+                  return Job::Apply([how, model, index, faces = std::move(*faces)] {
                     model->selecting.components = index;
-                    take_reference(session, *model, Selecting::Kind::Component, faces, false);
+                    take_reference(how, *model, Selecting::Kind::Component, faces, false);
                   });
                 });
   return {};
@@ -74,7 +74,7 @@ Done cut(Session& session, Arguments& arguments) {
   if (again && ((*active)->selecting.kind != Selecting::Kind::Part || !(*active)->selecting.cut))
     return sdk::fail("there is no cut to go on with; draw a new one");
   session.start("cutting",
-                [&session, again, stroke = std::move(stroke),
+                [how = session.combine, again, stroke = std::move(stroke),
                  model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   std::shared_ptr<const sdk::PartModel> parts = model->selecting.parts;
                   if (!parts) {
@@ -90,10 +90,10 @@ Done cut(Session& session, Arguments& arguments) {
                   for (const sdk::SurfacePoint& point : *points) cut->add_point(point);
                   auto faces = cut->faces();
                   if (!faces) return tl::unexpected(faces.error());
-                  return Job::Apply([&session, model, again, parts, cut, faces = std::move(*faces)] {
+                  return Job::Apply([how, model, again, parts, cut, faces = std::move(*faces)] {
                     model->selecting.parts = parts;
                     model->selecting.cut = cut;
-                    take_reference(session, *model, Selecting::Kind::Part, faces, again);
+                    take_reference(how, *model, Selecting::Kind::Part, faces, again);
                   });
                 });
   return {};
@@ -108,7 +108,7 @@ Done other_side(Session& session, Arguments& arguments) {
   selecting.cut->swap_sides();
   auto faces = selecting.cut->faces();
   if (!faces) return tl::unexpected(faces.error());
-  take_reference(session, **model, Selecting::Kind::Part, std::move(*faces), true);
+  take_reference(session.combine, **model, Selecting::Kind::Part, std::move(*faces), true);
   return {};
 }
 
@@ -129,7 +129,7 @@ Done brush(Session& session, Arguments& arguments) {
   auto faces = sdk::select_patch((*model)->mesh->surface, drawn);
   if (!faces) return tl::unexpected(faces.error());
   selecting.strokes = std::move(drawn);
-  take_reference(session, **model, Selecting::Kind::Patch, std::move(*faces), again);
+  take_reference(session.combine, **model, Selecting::Kind::Patch, std::move(*faces), again);
   return {};
 }
 
@@ -144,12 +144,12 @@ Done lasso(Session& session, Arguments& arguments) {
     drawn.loop.emplace_back(ray.origin + session.camera.distance * ray.direction);
   }
   session.start("selecting what the lasso holds",
-                [&session, drawn = std::move(drawn),
+                [how = session.combine, drawn = std::move(drawn),
                  model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
                   auto faces = sdk::select_lasso(model->mesh->surface, drawn);
                   if (!faces) return tl::unexpected(faces.error());
-                  return Job::Apply([&session, model, faces = std::move(*faces)] {
-                    take_reference(session, *model, Selecting::Kind::Lasso, faces, false);
+                  return Job::Apply([how, model, faces = std::move(*faces)] {
+                    take_reference(how, *model, Selecting::Kind::Lasso, faces, false);
                   });
                 });
   return {};
@@ -162,15 +162,15 @@ Done snap(Session& session, Arguments& arguments) {
   const double width = arguments.left() > 0 ? arguments.number("width", 1e-4, 0.5) : 0.02;
   if (auto checked = arguments.check(); !checked) return checked;
   if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
-  session.start(
-      "looking for the best boundary",
-      [&session, width, model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-        auto faces =
-            sdk::snap_boundary(model->mesh->surface, model->selecting.reference, width * model->mesh->surface.diagonal);
-        return Job::Apply([&session, model, faces = std::move(faces)] {
-          take_reference(session, *model, model->selecting.kind, faces, true);
-        });
-      });
+  session.start("looking for the best boundary",
+                [how = session.combine, width,
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto faces = sdk::snap_boundary(model->mesh->surface, model->selecting.reference,
+                                                  width * model->mesh->surface.diagonal);
+                  return Job::Apply([how, model, faces = std::move(faces)] {
+                    take_reference(how, *model, model->selecting.kind, faces, true);
+                  });
+                });
   return {};
 }
 

@@ -17,8 +17,18 @@ const std::vector<std::string_view> kMotions = {navproto::kMotionNames.begin(), 
 
 Done connect(Session& session, Arguments& arguments) {
   const std::string endpoint = arguments.word("endpoint");
+  const std::string file = arguments.left() > 0 ? arguments.word("keys") : "";
+  const std::string server = file.empty() ? "" : arguments.word("the daemon's public key");
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto connected = session.walk.connect(endpoint); !connected) return connected;
+  std::optional<navproto::CurveClient> curve;
+  if (!file.empty()) {
+    auto keys = navproto::read_key_pair(file);
+    if (!keys) return sdk::fail(keys.error().message);
+    if (!navproto::is_key(server))
+      return sdk::fail("expected the daemon's public key, 40 characters as `armature keys new` printed them there");
+    curve = navproto::CurveClient{server, std::move(*keys)};
+  }
+  if (auto connected = session.walk.connect(endpoint, std::move(curve)); !connected) return connected;
   session.mode = Mode::Walk;
   return {};
 }
@@ -98,7 +108,8 @@ Done ask(Session& session, Arguments& arguments) {
 }
 
 constexpr std::array kCommands = {
-    Command{"connect", "ENDPOINT", "walk by what a daemon publishes there", connect, true},
+    Command{"connect", "ENDPOINT [KEYS SERVER]",
+            "walk by what a daemon publishes there; over tcp with our key file and its public key", connect, true},
     Command{"person", "[SOURCE]", "start a daemon on a synthetic person (synth:NAME) or a recording (oni:FILE)", person,
             true},
     Command{"disconnect", "", "listen to nobody", disconnect, true},

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include <armature/sdk/error.h>
+
+#include "viewer/app/app.h"
+
+namespace armature::viewer {
+
+/// Writes what a window of that size would show; its context must be current. Fails where OpenGL or the file does.
+[[nodiscard]] sdk::Expected<void> photograph(App& app, const std::string& file, const PictureSize& size);
+
+}  // namespace armature::viewer

@@ -1,0 +1,21 @@
+#include "viewer/session/write_text.h"
+
+#include <fstream>
+#include <system_error>
+
+namespace armature::viewer {
+
+sdk::Expected<void> write_text(const std::filesystem::path& path, std::string_view text) {
+  const std::filesystem::path unfinished = path.string() + ".part";
+  std::ofstream out(unfinished, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(unfinished, path, error);
+  if (out && !error) return {};
+  std::error_code ignored;
+  std::filesystem::remove(unfinished, ignored);
+  return sdk::fail(path.string() + ": cannot be written" + (error ? ": " + error.message() : ""));
+}
+
+}  // namespace armature::viewer

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include <armature/sdk/error.h>
+
+namespace armature::viewer {
+
+/// Writes a whole file: under another name beside it, renamed once it is complete.
+[[nodiscard]] sdk::Expected<void> write_text(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace armature::viewer
