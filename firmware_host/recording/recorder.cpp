@@ -13,6 +13,7 @@
 
 #include <OpenNI.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "firmware_host/backends/openni2_runtime.h"
@@ -30,6 +31,8 @@ constexpr std::uint64_t kMaxQueuedFrames = 8;         // in memory, between us a
 constexpr std::size_t kMaxDifferentDepths = 1 << 15;  // the codec's indices have 15 bits
 constexpr std::uint16_t kUnstorableDepth = 65535;
 constexpr auto kDiskPatience = 20s;
+constexpr auto kDiskHesitation = 300ms;  // after which it is asked whether it is full
+constexpr off_t kRoomForFrames = 1 << 20;
 
 std::filesystem::path temporary_path(const std::filesystem::path& path) {
   static std::atomic<unsigned> serial{0};
@@ -64,11 +67,29 @@ class RecordFollower {
   bool begun_ = false;
 };
 
+/// Whether the disk, or the limit of this process, refuses to hold more of the file. Nothing is written to find out.
+bool full(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const off_t end = ::lseek(descriptor, 0, SEEK_END);
+  rlimit limit{};
+  const bool limited = ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && static_cast<rlim_t>(end) >= limit.rlim_cur;
+  const bool refused = end >= 0 && ::fallocate(descriptor, FALLOC_FL_KEEP_SIZE, end, kRoomForFrames) != 0 &&
+                       (errno == ENOSPC || errno == EDQUOT || errno == EFBIG);
+  ::close(descriptor);
+  return limited || refused;
+}
+
+/// Waits for OpenNI2's thread to write what it was given: until `condition` holds; false where the disk is full, or
+/// slower than anybody waits.
 template <class Condition>
-bool wait_for(Condition condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kDiskPatience;
+bool wait_for(const std::filesystem::path& file, Condition condition) {
+  const auto began = std::chrono::steady_clock::now();
+  auto look_at_disk = began + kDiskHesitation;
   while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - began > kDiskPatience || (now > look_at_disk && full(file))) return false;
+    if (now > look_at_disk) look_at_disk = now + kDiskHesitation;
     std::this_thread::sleep_for(200us);
   }
   return true;
@@ -163,7 +184,7 @@ struct Recorder::State {
     auto file = FileReader::open(temporary);
     if (!file) return tl::unexpected(file.error());
     follower.emplace(std::move(*file));
-    if (!wait_for([&] {
+    if (!wait_for(temporary, [&] {
           follower->look();
           return follower->begun();
         }))
@@ -177,7 +198,7 @@ struct Recorder::State {
 
   // Waits until at most `queued` frames have not reached the file.
   bool catch_up(std::uint64_t queued) {
-    return wait_for([&] {
+    return wait_for(temporary, [&] {
       follower->look();
       return follower->frames() + queued >= frames;
     });

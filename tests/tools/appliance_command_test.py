@@ -2,6 +2,7 @@
 """The subcommands that look after an appliance, as an operator calls them. usage: appliance_command_test.py BUILD"""
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -121,6 +122,27 @@ class Record(unittest.TestCase):
             again = run("record", f"oni:{out}", Path(folder, "again.oni"), "--json")
             self.assertEqual(again.returncode, 0, again.stderr)
             self.assertGreater(json.loads(again.stdout)["frames"], 10)
+
+
+    def test_on_a_full_disk_says_so_and_the_daemon_goes_on(self):
+        def small_disk():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+        with tempfile.TemporaryDirectory() as folder:
+            endpoint, out = f"ipc://{folder}/nav", Path(folder, "visitor.oni")
+            daemon = subprocess.Popen([ARMATURED, "--source", "synth:stand?size=160x120", "--endpoint", endpoint, "--quiet"])
+            try:
+                recorder = subprocess.run([ARMATURE, "record", f"feed:{endpoint}", out], stderr=subprocess.PIPE, text=True,
+                                          timeout=60, preexec_fn=small_disk)
+                self.assertEqual(recorder.returncode, 1)
+                self.assertIn("is the disk full?", recorder.stderr)
+                self.assertTrue(json.loads(run("status", endpoint, "--json").stdout)["source_alive"])
+            finally:
+                daemon.terminate()
+                daemon.wait()
+            again = run("record", f"oni:{out}", Path(folder, "again.oni"), "--json")
+            self.assertGreater(json.loads(again.stdout)["frames"], 1, again.stderr)
 
 
 if __name__ == "__main__":

@@ -1,20 +1,16 @@
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
-#include <armature/navproto/control.h>
-#include <armature/navproto/feed.h>
 #include <armature/navproto/subscriber.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/commands/bench/mischief.h"
 #include "tools/commands/bench/simulated_site.h"
 #include "tools/elapsed.h"
 #include "tools/interrupt.h"
@@ -33,11 +29,6 @@ constexpr nanoseconds kRecoveredWithin = 5s;
 constexpr double kMostGrowth_mb = 8;
 constexpr double kLeastFactor = 100;
 
-/// What can befall the daemon from elsewhere, and must not be felt.
-enum class OtherFault : std::uint8_t { Subscribers, BadReload, GoodReload, HostileBytes, HostileRequests };
-constexpr std::array<std::string_view, 5> kOtherFaultNames = {"subscriber_flood", "bad_reload", "good_reload",
-                                                              "hostile_bytes", "hostile_requests"};
-
 struct SoakOptions {
   double hours = 72;
   long faults = -1;
@@ -50,21 +41,6 @@ double resident_mb() {
   long all = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> all >> resident;
   return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-/// A peer that speaks no protocol: connects, throws bytes, hangs up.
-void throw_bytes(const std::string& path, std::mt19937_64& random) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  const int peer = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
-  if (::connect(peer, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-    std::array<std::uint64_t, 32> bytes{};
-    for (auto& word : bytes) word = random();
-    if (random() % 2 == 0) std::memcpy(bytes.data(), "\xff\0\0\0\0\0\0\0\x01\x7f\x03", 11);  // ZMTP's greeting
-    (void)::send(peer, bytes.data(), sizeof bytes, MSG_NOSIGNAL);
-  }
-  ::close(peer);
 }
 
 class Soak {
@@ -92,15 +68,14 @@ class Soak {
     spacing_ = spacing;
 
     DaemonOptions daemon_options;
-    endpoint_ = "ipc://" + (folder_ / "nav").string();
-    config_file_ = folder_ / "kiosk.toml";
-    write_config(true);
-    daemon_options.config.endpoint = endpoint_;
+    mischiefs_ = std::make_unique<Mischiefs>(folder_, options_.seed);
+    const std::string endpoint = mischiefs_->endpoint();
+    daemon_options.config.endpoint = endpoint;
     daemon_options.config.lossless = true;  // on the clock's time, not on a thread's
     daemon_options.config.source = "simulated";
-    daemon_options.config_file = config_file_;
-    daemon_options.override_config = [e = endpoint_](Config& c) {
-      c.endpoint = e;
+    daemon_options.config_file = mischiefs_->config_file();
+    daemon_options.override_config = [endpoint](Config& c) {
+      c.endpoint = endpoint;
       c.lossless = true;
       c.source = "simulated";
     };
@@ -111,7 +86,7 @@ class Soak {
     if (!daemon) return tl::unexpected(daemon.error());
     daemon_ = daemon->get();
     site_->before_read = [this] { return live(); };
-    subscriber_ = std::make_unique<navproto::NavSubscriber>(endpoint_);
+    subscriber_ = std::make_unique<navproto::NavSubscriber>(endpoint);
 
     const auto began = SteadyClock().now();
     if (auto ended = (*daemon)->run({}); !ended) return ended;
@@ -121,11 +96,6 @@ class Soak {
   }
 
  private:
-  void write_config(bool good) const {
-    std::ofstream(config_file_) << (good ? "[navigation]\nmax_walk_m_s = 1.2\n"
-                                         : "[navigation]\nmax_walk_m_s = 'fast'\n");
-  }
-
   /// On the daemon's thread, before each read.
   bool live() {
     const auto now = clock_->now();
@@ -158,8 +128,7 @@ class Soak {
   void befall(nanoseconds now) {
     next_fault_ += spacing_;
     ++injected_;
-    crowd_.clear();
-    feed_.reset();
+    mischiefs_->over();
     if (random_() % 4 == 0) return befall_daemon();
     const auto fault = static_cast<SensorFault>(random_() % kSensorFaultNames.size());
     ++sensor_faults_[static_cast<std::size_t>(fault)];
@@ -170,40 +139,11 @@ class Soak {
   }
 
   void befall_daemon() {
-    const auto fault = static_cast<OtherFault>(random_() % kOtherFaultNames.size());
-    ++other_faults_[static_cast<std::size_t>(fault)];
     published_at_other_ = published_;
     quiet_reads_ = 0;
     other_pending_ = true;
-    switch (fault) {
-      case OtherFault::Subscribers:
-        for (int i = 0; i < 8; ++i) crowd_.push_back(std::make_unique<navproto::NavSubscriber>(endpoint_));
-        if (auto feed = navproto::FeedSubscriber::connect(endpoint_)) feed_ = std::move(*feed);
-        return;
-      case OtherFault::BadReload:
-        write_config(false);
-        daemon_->request_reload();
-        return;
-      case OtherFault::GoodReload:
-        write_config(true);
-        daemon_->request_reload();
-        return;
-      case OtherFault::HostileBytes:
-        for (const char* suffix : {"", ".skeleton", ".events", ".feed", ".control"}) {
-          throw_bytes((folder_ / "nav").string() + suffix, random_);
-        }
-        return;
-      case OtherFault::HostileRequests: {
-        // Nobody waits for the answers.
-        auto client = navproto::ControlClient::connect(endpoint_);
-        navproto::ControlRequest request{.kind = navproto::RequestKind::Set};
-        request.settings.max_walk_m_s = 99.0F;
-        request.settings.walk_motion = navproto::MotionId::LeanBust;
-        request.settings.turn_motion = navproto::MotionId::LeanBust;
-        if (client) (void)client->request(request, 1ms);
-        return;
-      }
-    }
+    const Mischief which = mischiefs_->commit([this] { daemon_->request_reload(); });
+    ++other_faults_[static_cast<std::size_t>(which)];
   }
 
   /// Every message that was handed to the socket.
@@ -236,17 +176,19 @@ class Soak {
     hold(late_zeros_ == 0, fmt::format("{} zeros came later than {} ms", late_zeros_, kZeroWithin / 1ms));
     hold(late_recoveries_ == 0,
          fmt::format("{} recoveries took longer than {} s", late_recoveries_, kRecoveredWithin / 1s));
+    hold(other_faults_[static_cast<std::size_t>(Mischief::FullDisk)] < 20 || mischiefs_->recordings_ended() > 0,
+         "no recording ended by itself on a full disk");
     hold(felt_ == 0, fmt::format("{} faults from elsewhere were felt", felt_));
     hold(last_mb - first_mb_ < kMostGrowth_mb, fmt::format("memory grew from {:.1f} to {:.1f} MB", first_mb_, last_mb));
     // In a short run the rendering of frames and other programs count too much.
-    hold(options_.hours < 1 || factor >= kLeastFactor, fmt::format("{:.0f} times real time, expected at least {:.0f}", factor, kLeastFactor));
+    hold(options_.hours < 1 || factor >= kLeastFactor,
+         fmt::format("{:.0f} times real time, expected at least {:.0f}", factor, kLeastFactor));
     hold(moving_ > 0, "nobody ever steered");
 
     Json sensor = Json::object(), other = Json::object();
     for (std::size_t i = 0; i < kSensorFaultNames.size(); ++i)
       sensor[std::string(kSensorFaultNames[i])] = sensor_faults_[i];
-    for (std::size_t i = 0; i < kOtherFaultNames.size(); ++i)
-      other[std::string(kOtherFaultNames[i])] = other_faults_[i];
+    for (std::size_t i = 0; i < kMischiefNames.size(); ++i) other[std::string(kMischiefNames[i])] = other_faults_[i];
     const double hours = std::chrono::duration<double>(clock_->now()).count() / 3600;
     if (options_.json) {
       auto written = write_json_line(stdout, {{"hours", number(hours)},
@@ -262,6 +204,8 @@ class Soak {
                                               {"longest_recovery_ms", number(ms(longest_recovery_))},
                                               {"late_recoveries", late_recoveries_},
                                               {"felt", felt_},
+                                              {"control_refused", daemon_->metrics().control_refused.load()},
+                                              {"recordings_ended_by_full_disk", mischiefs_->recordings_ended()},
                                               {"moving_messages", moving_},
                                               {"memory_mb", {number(first_mb_), number(last_mb)}},
                                               {"good", complaints.empty()}});
@@ -285,16 +229,14 @@ class Soak {
 
   SoakOptions options_;
   std::mt19937_64 random_;
-  std::filesystem::path folder_, config_file_;
-  std::string endpoint_;
+  std::filesystem::path folder_;
   Interrupt interrupt_;
   ProgressBar bar_{{.title = "soaking", .total = 1, .unit = "share"}};
   std::shared_ptr<ManualClock> clock_ = std::make_shared<ManualClock>();
   SimulatedSite* site_ = nullptr;
   Daemon* daemon_ = nullptr;
   std::unique_ptr<navproto::NavSubscriber> subscriber_;
-  std::vector<std::unique_ptr<navproto::NavSubscriber>> crowd_;
-  std::optional<navproto::FeedSubscriber> feed_;
+  std::unique_ptr<Mischiefs> mischiefs_;
 
   nanoseconds end_{0}, next_fault_{0}, spacing_{0}, fault_at_{0}, recovery_from_{-1};
   nanoseconds longest_zero_{0}, longest_recovery_{0};
@@ -303,7 +245,7 @@ class Soak {
   std::uint64_t reads_ = 0, injected_ = 0, published_ = 0, published_at_other_ = 0, moving_ = 0, engaged_ = 0;
   std::uint64_t late_zeros_ = 0, late_recoveries_ = 0, felt_ = 0;
   std::array<std::uint64_t, kSensorFaultNames.size()> sensor_faults_{};
-  std::array<std::uint64_t, kOtherFaultNames.size()> other_faults_{};
+  std::array<std::uint64_t, kMischiefNames.size()> other_faults_{};
   double first_mb_ = 0, seconds_ = 0;
 };
 
