@@ -45,10 +45,11 @@ std::string CollapseComplex::refuses(std::size_t vertices, std::size_t triangles
 CollapseComplex::CollapseComplex(std::uint32_t vertices, std::span<const Triangle> triangles,
                                  std::span<const Pair> links)
     : triangles_(triangles.begin(), triangles.end()),
-      edges_(edges_of_triangles(triangles)),
       deaths_(triangles.size(), kNoIndex),
       edge_to_(vertices, kNoIndex) {
-  flags_.assign(edges_.size(), kWire);
+  const std::vector<Pair> pairs = edges_of_triangles(triangles);
+  edges_.reserve(pairs.size() + links.size());
+  for (const Pair& pair : pairs) edges_.push_back({.ends = pair, .flags = kWire});
 
   std::vector<std::uint32_t> sizes(vertices, 0);
   for (const Triangle& t : triangles_)
@@ -73,15 +74,15 @@ CollapseComplex::CollapseComplex(std::uint32_t vertices, std::span<const Triangl
   }
 
   std::fill(sizes.begin(), sizes.end(), 0);
-  for (const Pair& e : edges_)
-    for (const auto end : e) ++sizes[end];
+  for (const Edge& e : edges_)
+    for (const auto end : e.ends) ++sizes[end];
   edge_stars_.allot(sizes);
   for (std::uint32_t id = 0; id < edges_.size(); ++id)
-    for (const auto end : edges_[id]) edge_stars_.push(end, id);
+    for (const auto end : edges_[id].ends) edge_stars_.push(end, id);
   for (std::uint32_t id = 0; id < edges_.size(); ++id) {
-    const auto [a, b] = edges_[id];
+    const auto [a, b] = edges_[id].ends;
     if (triangles_on(a, b) != 0)
-      flags_[id] = 0;
+      edges_[id].flags = 0;
     else
       wire_events_.push_back({0, id, a, b});
   }
@@ -94,14 +95,14 @@ std::size_t CollapseComplex::triangles_on(std::uint32_t a, std::uint32_t b) cons
       std::count_if(star.begin(), star.end(), [&](std::uint32_t t) { return has_corner(t, b); }));
 }
 
-CollapseComplex::Merged CollapseComplex::collapse(std::uint32_t edge, std::span<const std::uint32_t> keys) {
+CollapseComplex::Merged CollapseComplex::collapse(std::uint32_t edge) {
   assert(alive(edge));
-  auto [kept, gone] = edges_[edge];
+  auto [kept, gone] = edges_[edge].ends;
   if (edge_stars_.of(gone).size() > edge_stars_.of(kept).size()) std::swap(kept, gone);
 
   for (const auto e : edge_stars_.of(kept)) edge_to_[other_end(e, kept)] = e;
   merge_triangles(kept, gone);
-  merge_edges(edge, kept, gone, keys);
+  merge_edges(edge, kept, gone);
   settle_wires(kept);
   ++steps_;
   return {kept, gone, edge_stars_.of(kept)};
@@ -139,30 +140,29 @@ void CollapseComplex::merge_triangles(std::uint32_t kept, std::uint32_t gone) {
   triangle_stars_.merge(kept, gone, star_);
 }
 
-void CollapseComplex::merge_edges(std::uint32_t collapsed, std::uint32_t kept, std::uint32_t gone,
-                                  std::span<const std::uint32_t> keys) {
+void CollapseComplex::merge_edges(std::uint32_t collapsed, std::uint32_t kept, std::uint32_t gone) {
   doubled_.clear();
   star_.clear();
   const auto kill = [&](std::uint32_t e) {
-    flags_[e] |= kDead;
-    if ((flags_[e] & kWire) != 0) end_wire(e);
+    edges_[e].flags |= kDead;
+    if ((edges_[e].flags & kWire) != 0) end_wire(e);
   };
   for (const auto e : edge_stars_.of(gone)) {
     if (e == collapsed) continue;
     const std::uint32_t y = other_end(e, gone);
-    edges_[e] = {kept, y};
+    edges_[e].ends = {kept, y};
     const std::uint32_t twin = edge_to_[y];
     if (twin == kNoIndex) {
       star_.push_back(e);
       continue;
     }
-    const std::uint32_t winner = keys[e] > keys[twin] ? e : twin;
+    const std::uint32_t winner = edges_[e].key > edges_[twin].key ? e : twin;
     const std::uint32_t loser = e ^ twin ^ winner;
     // A link that meets an edge of the complex becomes one.
-    const bool link = (flags_[e] & flags_[twin] & kLink) != 0;
+    const bool link = is_link(e) && is_link(twin);
     edge_stars_.remove(y, loser);
     kill(loser);
-    flags_[winner] = static_cast<std::uint8_t>(link ? flags_[winner] : flags_[winner] & ~kLink);
+    if (!link) edges_[winner].flags &= static_cast<std::uint8_t>(~kLink);
     edge_to_[y] = winner;
     doubled_.push_back(winner);
   }
@@ -183,12 +183,12 @@ void CollapseComplex::settle_wires(std::uint32_t kept) {
     if (is_link(e)) continue;
     const std::uint32_t y = other_end(e, kept);
     const bool wire = triangles_on(kept, y) == 0;
-    const bool was = (flags_[e] & kWire) != 0;
+    const bool was = (edges_[e].flags & kWire) != 0;
     if (wire && !was) {
-      flags_[e] |= kWire;
+      edges_[e].flags |= kWire;
       wire_events_.push_back({steps_ + 1, e, kept, y});
     } else if (!wire && was) {
-      flags_[e] = static_cast<std::uint8_t>(flags_[e] & ~kWire);
+      edges_[e].flags &= static_cast<std::uint8_t>(~kWire);
       end_wire(e);
     }
   }
@@ -217,8 +217,7 @@ std::uint32_t CollapseComplex::add_links(std::span<const Pair> links) {
     for (const auto e : edge_stars_.of(slot)) grown.push(slot, e);
   for (const Pair& pair : links) {
     const std::uint32_t id = edge_count();
-    edges_.push_back(pair);
-    flags_.push_back(kLink);
+    edges_.push_back({.ends = pair, .flags = kLink});
     for (const auto end : pair) grown.push(end, id);
   }
   edge_stars_ = std::move(grown);
@@ -227,7 +226,7 @@ std::uint32_t CollapseComplex::add_links(std::span<const Pair> links) {
 
 bool CollapseComplex::keeps_topology(std::uint32_t edge) {
   if (is_link(edge)) return false;
-  const auto [u, v] = edges_[edge];
+  const auto [u, v] = edges_[edge].ends;
   const auto open = [&](std::uint32_t a, std::uint32_t b) { return triangles_on(a, b) != 2; };
   // Common neighbours are exactly the corners opposite to the edge.
   std::size_t common = 0;
@@ -276,7 +275,8 @@ void CollapseComplex::Stars::allot(std::span<const std::uint32_t> sizes) {
     begin_[k] = total;
     total += sizes[k];
   }
-  items_.reserve(total + total / kSlack);
+  slack_ = total / kSlack;
+  items_.reserve(total + slack_);
   items_.resize(total);
 }
 
@@ -310,7 +310,7 @@ void CollapseComplex::Stars::pack(std::uint32_t more) {
   std::size_t live = more;
   for (const auto size : size_) live += size;
   std::vector<std::uint32_t> packed;
-  packed.reserve(live + live / kSlack);
+  packed.reserve(live + slack_);
   for (std::size_t slot = 0; slot < begin_.size(); ++slot) {
     const auto from = items_.begin() + begin_[slot];
     begin_[slot] = static_cast<std::uint32_t>(packed.size());

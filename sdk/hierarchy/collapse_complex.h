@@ -47,9 +47,14 @@ class CollapseComplex {
   /// Of slots, in use or not.
   [[nodiscard]] std::uint32_t slot_count() const noexcept { return static_cast<std::uint32_t>(edge_to_.size()); }
   [[nodiscard]] std::uint32_t edge_count() const noexcept { return static_cast<std::uint32_t>(edges_.size()); }
-  [[nodiscard]] const Pair& edge(std::uint32_t id) const noexcept { return edges_[id]; }
-  [[nodiscard]] bool alive(std::uint32_t edge) const noexcept { return (flags_[edge] & kDead) == 0; }
-  [[nodiscard]] bool is_link(std::uint32_t edge) const noexcept { return (flags_[edge] & kLink) != 0; }
+  [[nodiscard]] const Pair& edge(std::uint32_t id) const noexcept { return edges_[id].ends; }
+  /// What ranks the collapse of an edge, and what the queue notes of it; both 0 at first. They are kept here, in the
+  /// line of the cache that every look at an edge loads.
+  [[nodiscard]] std::uint32_t& key(std::uint32_t edge) noexcept { return edges_[edge].key; }
+  [[nodiscard]] std::uint32_t key(std::uint32_t edge) const noexcept { return edges_[edge].key; }
+  [[nodiscard]] std::uint8_t& note(std::uint32_t edge) noexcept { return edges_[edge].note; }
+  [[nodiscard]] bool alive(std::uint32_t edge) const noexcept { return (edges_[edge].flags & kDead) == 0; }
+  [[nodiscard]] bool is_link(std::uint32_t edge) const noexcept { return (edges_[edge].flags & kLink) != 0; }
   [[nodiscard]] const Triangle& triangle(std::uint32_t id) const noexcept { return triangles_[id]; }
   [[nodiscard]] std::span<const std::uint32_t> edges_of(std::uint32_t slot) const noexcept {
     return edge_stars_.of(slot);
@@ -63,7 +68,7 @@ class CollapseComplex {
   [[nodiscard]] bool keeps_topology(std::uint32_t edge);
 
   /// Collapses an edge. Of two edges that become one, the one with the greater key lives on.
-  Merged collapse(std::uint32_t edge, std::span<const std::uint32_t> keys);
+  Merged collapse(std::uint32_t edge);
   /// Collapses so far.
   [[nodiscard]] std::uint32_t steps() const noexcept { return steps_; }
 
@@ -81,6 +86,13 @@ class CollapseComplex {
 
  private:
   enum Flag : std::uint8_t { kDead = 1, kLink = 2, kWire = 4 };
+  struct Edge {
+    Pair ends;
+    std::uint32_t key = 0;
+    std::uint8_t note = 0;
+    std::uint8_t flags = 0;
+  };
+  static_assert(sizeof(Edge) == 16);
 
   /// Lists of varying length, one a slot, in one array.
   class Stars {
@@ -95,16 +107,17 @@ class CollapseComplex {
     void merge(std::uint32_t kept, std::uint32_t gone, std::span<const std::uint32_t> list);
 
    private:
-    /// Room for new lists is a fourth of what is used; when it is gone, what was freed is gathered.
+    /// Room for new lists is a fourth of what is used at first; when it is gone, what was freed is gathered.
     static constexpr std::uint32_t kSlack = 4;
     void pack(std::uint32_t more);
 
     std::vector<std::uint32_t> items_;
     std::vector<std::uint32_t> begin_, size_;
+    std::size_t slack_ = 0;
   };
 
   [[nodiscard]] std::uint32_t other_end(std::uint32_t edge, std::uint32_t slot) const noexcept {
-    return edges_[edge][0] ^ edges_[edge][1] ^ slot;
+    return edges_[edge].ends[0] ^ edges_[edge].ends[1] ^ slot;
   }
   [[nodiscard]] bool has_corner(std::uint32_t triangle, std::uint32_t slot) const noexcept {
     const Triangle& t = triangles_[triangle];
@@ -112,14 +125,12 @@ class CollapseComplex {
   }
   [[nodiscard]] std::size_t triangles_on(std::uint32_t a, std::uint32_t b) const noexcept;
   void merge_triangles(std::uint32_t kept, std::uint32_t gone);
-  void merge_edges(std::uint32_t collapsed, std::uint32_t kept, std::uint32_t gone,
-                   std::span<const std::uint32_t> keys);
+  void merge_edges(std::uint32_t collapsed, std::uint32_t kept, std::uint32_t gone);
   void settle_wires(std::uint32_t kept);
   void end_wire(std::uint32_t edge);
 
   std::vector<Triangle> triangles_;
-  std::vector<Pair> edges_;
-  std::vector<std::uint8_t> flags_;  // by edge
+  std::vector<Edge> edges_;
   std::vector<std::uint32_t> deaths_;
   std::vector<WireEvent> wire_events_;
   Stars triangle_stars_, edge_stars_;

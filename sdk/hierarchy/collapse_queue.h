@@ -1,13 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace armature::sdk {
 
-/// Edges in the order of their keys, of equal ones in the order of their numbers. A heap of four children a node: half
-/// as deep as one of two, and siblings share a cache line.
+/// Edges in the order of their keys, of equal ones in the order of their numbers. Only about the least eighth stands in
+/// a heap, which so stays in the fast memory; the others wait in no order until it is empty. The heap has four children
+/// a node: half as deep as one of two, and siblings share a cache line.
 class CollapseQueue {
  public:
   [[nodiscard]] static std::uint64_t entry(std::uint32_t key, std::uint32_t edge) noexcept {
@@ -21,30 +24,65 @@ class CollapseQueue {
   [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
   [[nodiscard]] std::uint64_t top() const noexcept { return heap_.front(); }
 
-  void reserve(std::size_t size) { heap_.reserve(size); }
+  void reserve(std::size_t size) { far_.reserve(size); }
   /// Adds without order; `arrange` must follow.
-  void append(std::uint64_t entry) { heap_.push_back(entry); }
-  void arrange() noexcept {
-    if (heap_.size() < 2) return;
-    for (std::size_t at = (heap_.size() - 2) / kChildren + 1; at-- > 0;) sink(at, heap_[at]);
+  void append(std::uint64_t entry) { far_.push_back(entry); }
+  void arrange() {
+    far_.insert(far_.end(), heap_.begin(), heap_.end());
+    heap_.clear();
+    refill();
   }
   void push(std::uint64_t entry) {
+    if (entry >= end_) {
+      far_.push_back(entry);
+      if (heap_.empty()) refill();
+      return;
+    }
     heap_.push_back(entry);
     std::size_t at = heap_.size() - 1;
     for (; at > 0 && entry < heap_[(at - 1) / kChildren]; at = (at - 1) / kChildren)
       heap_[at] = heap_[(at - 1) / kChildren];
     heap_[at] = entry;
   }
-  void pop() noexcept {
+  void pop() {
     const std::uint64_t last = heap_.back();
     heap_.pop_back();
-    if (!heap_.empty()) sink(0, last);
+    if (!heap_.empty())
+      sink(0, last);
+    else
+      refill();
   }
   /// Puts another entry in the place of the first.
-  void replace_top(std::uint64_t entry) noexcept { sink(0, entry); }
+  void replace_top(std::uint64_t entry) {
+    if (entry < end_) {
+      sink(0, entry);
+    } else {
+      far_.push_back(entry);
+      pop();
+    }
+  }
 
  private:
-  static constexpr std::size_t kChildren = 4;
+  static constexpr std::size_t kChildren = 4, kSample = 64, kLeast = 1024;
+
+  /// Takes about the least eighth of the far into the empty heap, by a sample of them.
+  void refill() {
+    end_ = std::numeric_limits<std::uint64_t>::max();
+    if (far_.size() >= kLeast) {
+      std::array<std::uint64_t, kSample> sample;
+      for (std::size_t k = 0; k < kSample; ++k) sample[k] = far_[k * (far_.size() / kSample)];
+      std::nth_element(sample.begin(), sample.begin() + kSample / 8, sample.end());
+      end_ = sample[kSample / 8];
+    }
+    const auto first = std::partition(far_.begin(), far_.end(), [&](std::uint64_t entry) { return entry >= end_; });
+    heap_.assign(first, far_.end());
+    far_.erase(first, far_.end());
+    heapify();
+  }
+  void heapify() noexcept {
+    if (heap_.size() < 2) return;
+    for (std::size_t at = (heap_.size() - 2) / kChildren + 1; at-- > 0;) sink(at, heap_[at]);
+  }
 
   void sink(std::size_t at, std::uint64_t entry) noexcept {
     const std::size_t size = heap_.size();
@@ -72,7 +110,9 @@ class CollapseQueue {
     heap[at] = entry;
   }
 
-  std::vector<std::uint64_t> heap_;
+  std::vector<std::uint64_t> heap_;  // what is less than end_
+  std::vector<std::uint64_t> far_;   // the others, in no order
+  std::uint64_t end_ = 0;
 };
 
 }  // namespace armature::sdk

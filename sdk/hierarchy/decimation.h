@@ -68,15 +68,13 @@ class Decimation {
 
   /// Offers the edges from number `first` on to the queue.
   void offer(std::uint32_t first) {
-    keys_.resize(complex_.edge_count());
-    state_.resize(complex_.edge_count(), 0);
     queue_.reserve(complex_.edge_count());
     for (std::uint32_t edge = first; edge < complex_.edge_count(); ++edge) {
       const auto [a, b] = complex_.edge(edge);
       // A region has one label, so this holds for good.
       if (!options_.labels.empty() && options_.labels[a] != options_.labels[b]) continue;
-      keys_[edge] = key_of(metric_.cost(a, b, metric_.fit(a, b)));
-      if (keys_[edge] < kForbidden) queue_.append(entry(edge));
+      complex_.key(edge) = key_of(metric_.cost(a, b, metric_.fit(a, b)));
+      if (complex_.key(edge) < kForbidden) queue_.append(entry(edge));
     }
     queue_.arrange();
   }
@@ -108,7 +106,7 @@ class Decimation {
   static constexpr double kSame = 0.25, kSameArea = 1e-5;  // relative: how unlike copies are turned, and rounding
   static constexpr std::size_t kMostCopies = 32;
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
-  enum State : std::uint8_t {
+  enum Note : std::uint8_t {
     kStale = 1,  // its ends have changed since its cost was found
     kWaits = 2,  // not in the queue until something changes nearby
   };
@@ -117,7 +115,7 @@ class Decimation {
     return std::bit_cast<std::uint32_t>(static_cast<float>(cost));
   }
   [[nodiscard]] std::uint64_t entry(std::uint32_t edge) const noexcept {
-    return CollapseQueue::entry(keys_[edge], edge);
+    return CollapseQueue::entry(complex_.key(edge), edge);
   }
   /// The cheapest collapse that may be done, unless its key is above `most`; false if there is none.
   bool take(std::uint32_t most, Ready& ready);
@@ -139,8 +137,8 @@ class Decimation {
   CollapseComplex::Merged perform(Ready& ready);
   void refresh(const CollapseComplex::Merged& merged);
   void wake(std::uint32_t edge) {
-    if ((state_[edge] & kWaits) == 0) return;
-    state_[edge] &= static_cast<std::uint8_t>(~kWaits);
+    if ((complex_.note(edge) & kWaits) == 0) return;
+    complex_.note(edge) &= static_cast<std::uint8_t>(~kWaits);
     queue_.push(entry(edge));
   }
   [[nodiscard]] bool flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to) const noexcept;
@@ -148,9 +146,7 @@ class Decimation {
   Metric& metric_;
   CollapseComplex& complex_;
   DecimationOptions options_;
-  std::vector<std::uint32_t> keys_;  // by edge
-  std::vector<std::uint8_t> state_;  // by edge
-  CollapseQueue queue_;              // what does not match keys_ is void
+  CollapseQueue queue_;  // what does not match its edge's key is void
   SimilarCollapses* similar_;
   std::vector<Ready> ready_;
   std::vector<double> dissimilarities_;
@@ -182,9 +178,9 @@ bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Ve
 template <class Metric>
 void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
   for (const auto e : merged.edges) {
-    state_[e] |= kStale;
-    if ((keys_[e] & kPenalty) != 0) {
-      keys_[e] &= ~kPenalty;
+    complex_.note(e) |= kStale;
+    if ((complex_.key(e) & kPenalty) != 0) {
+      complex_.key(e) &= ~kPenalty;
       queue_.push(entry(e));
     }
     if (!options_.keep_topology) continue;
@@ -198,7 +194,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
   while (!queue_.empty()) {
     const std::uint32_t edge = CollapseQueue::edge_of(queue_.top());
     const std::uint32_t key = CollapseQueue::key_of(queue_.top());
-    if (!complex_.alive(edge) || key != keys_[edge]) {
+    if (!complex_.alive(edge) || key != complex_.key(edge)) {
       queue_.pop();
       continue;
     }
@@ -206,10 +202,10 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
     const auto [a, b] = complex_.edge(edge);
     ready.edge = edge;
     ready.fit = metric_.fit(a, b);
-    if ((state_[edge] & kStale) != 0) {
-      state_[edge] = 0;
-      keys_[edge] = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
-      if (keys_[edge] >= kForbidden) {
+    if ((complex_.note(edge) & kStale) != 0) {
+      complex_.note(edge) = 0;
+      complex_.key(edge) = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
+      if (complex_.key(edge) >= kForbidden) {
         queue_.pop();
         continue;
       }
@@ -217,13 +213,13 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       if (queue_.top() != entry(edge)) continue;
     }
     if (options_.keep_topology && !complex_.keeps_topology(edge)) {
-      state_[edge] = kWaits;
+      complex_.note(edge) = kWaits;
       queue_.pop();
       continue;
     }
-    if (options_.penalise_flips && (keys_[edge] & kPenalty) == 0 &&
+    if (options_.penalise_flips && (complex_.key(edge) & kPenalty) == 0 &&
         flips(a, b, metric_.position(a) + ready.fit.centre())) {
-      keys_[edge] |= kPenalty;
+      complex_.key(edge) |= kPenalty;
       queue_.replace_top(entry(edge));
       continue;
     }
@@ -261,13 +257,13 @@ bool Decimation<Metric>::touch(std::uint32_t edge, std::uint32_t other) const no
 
 template <class Metric>
 void Decimation<Metric>::find_copies(std::size_t first) {
-  const std::uint32_t past = past_copies(keys_[ready_[first].edge]);
+  const std::uint32_t past = past_copies(complex_.key(ready_[first].edge));
   const double area = ready_[first].area;
   copies_.assign(1, first);
   const auto area_of = [&](std::size_t k) { return ready_[k].area; };
   for (auto at = std::ranges::lower_bound(by_area_, (1 - kSameArea) * area, {}, area_of);
        at != by_area_.end() && area_of(*at) <= (1 + kSameArea) * area && copies_.size() < kMostCopies; ++at)
-    if (*at > first && ready_[*at].state == Ready::State::Open && keys_[ready_[*at].edge] <= past)
+    if (*at > first && ready_[*at].state == Ready::State::Open && complex_.key(ready_[*at].edge) <= past)
       copies_.push_back(*at);
 }
 
@@ -284,7 +280,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
 
   // What may come along, by what it costs.
   const std::size_t looks = similar_->begin(a, b);
-  const std::uint32_t dear = dearest(keys_[ready_[0].edge]);
+  const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   dissimilarities_.clear();
   const auto look = [&](std::uint32_t at_most) {
     Ready next;
@@ -344,7 +340,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
 template <class Metric>
 CollapseComplex::Merged Decimation<Metric>::perform(Ready& ready) {
   const auto [a, b] = complex_.edge(ready.edge);
-  const auto merged = complex_.collapse(ready.edge, keys_);
+  const auto merged = complex_.collapse(ready.edge);
   if (merged.slot != a) ready.fit.centre() += metric_.position(a) - metric_.position(b);
   metric_.merge(merged.slot, merged.gone, ready.fit);
   refresh(merged);
