@@ -29,6 +29,7 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
   if (!(options.importance >= 0) || !std::isfinite(options.importance)) return "importance: expected 0 or more";
   if (!(options.regularise >= 0) || !std::isfinite(options.regularise)) return "regularise: expected 0 or more";
+  if (!(options.compactness >= 0) || !std::isfinite(options.compactness)) return "compactness: expected 0 or more";
   if (!(options.radius_per_width >= 0) || !std::isfinite(options.radius_per_width))
     return "radius per width: expected 0 or more";
   if (!(options.enrichment >= 0) || !std::isfinite(options.enrichment)) return "enrichment: expected 0 or more";
@@ -63,6 +64,7 @@ class Builder {
         shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
         metric_(shape_, {.weights = weights,
                          .regularise = options.regularise,
+                         .compactness = options.compactness,
                          .by_increase = options.by_increase,
                          .radius_per_width = options.radius_per_width}),
         complex_(vertex_count(), shape_.triangles, links_of_loose_vertices(shape_, options.labels)),

@@ -8,6 +8,7 @@ namespace armature::sdk {
 
 SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
     : radius_per_width_(options.radius_per_width),
+      compactness_(options.compactness),
       pivot_(options.regularise > 0 ? 0 : SphereDomain{}.pivot),
       by_increase_(options.by_increase),
       regions_(shape.positions.size()),
@@ -32,6 +33,7 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
                                                                     weight * options.regularise);
     }
   }
+  if (compactness_ > 0) means_ = shape.positions;
   for (Region& region : regions_) region.error = region.quadric.c;
 }
 

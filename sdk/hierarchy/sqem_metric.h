@@ -19,6 +19,7 @@ class SqemMetric {
   struct Options {
     std::span<const double> weights;  ///< the importance by vertex, or empty: 1
     double regularise;                ///< eps
+    double compactness;               ///< what Ward's distance of the two regions adds to the rank
     bool by_increase;                 ///< rank by what a collapse adds to the error, not by the error of the union
     double radius_per_width;          ///< bounds a radius by so many times the region's smallest extent
   };
@@ -46,13 +47,16 @@ class SqemMetric {
   }
 
   [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b, const Fit& fit) const noexcept {
-    return by_increase_ ? std::max(fit.cost - regions_[a].error - regions_[b].error, 0.0) : fit.cost;
+    const double planes = by_increase_ ? std::max(fit.cost - regions_[a].error - regions_[b].error, 0.0) : fit.cost;
+    return means_.empty() ? planes : planes + compactness_ * apart(a, b);
   }
 
   void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept {
     Region& region = regions_[kept];
     const Region& other = regions_[gone];
     Sphere& sphere = spheres_[kept];
+    if (!means_.empty() && weight(gone) > 0)
+      means_[kept] += weight(gone) / (weight(kept) + weight(gone)) * (means_[gone] - means_[kept]);
     SphericalQuadric quadric = other.quadric.translated(spheres_[gone].centre - sphere.centre);
     quadric += region.quadric;
     region.quadric = quadric.translated(-from_kept.sphere.centre);
@@ -73,17 +77,24 @@ class SqemMetric {
   };
 
   [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
+  /// Ward's distance of two regions: what their second moments gain by being one.
+  [[nodiscard]] double apart(std::uint32_t a, std::uint32_t b) const noexcept {
+    const double both = weight(a) + weight(b);
+    return both > 0 ? 0.5 * weight(a) * weight(b) / both * (means_[a] - means_[b]).squaredNorm() : 0;
+  }
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
   [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;
 
   double radius_per_width_;
+  double compactness_;
   double pivot_;  // 0 with a regulariser, which leaves no centre undetermined
   bool by_increase_;
-  std::vector<Region> regions_;   // by slot
-  std::vector<Sphere> spheres_;   // by slot; apart, as flips ask for centres alone
-  std::vector<Extents> extents_;  // by slot; apart, as few fits ask for them
-  std::vector<bool> pinned_;      // by slot; empty if none is
+  std::vector<Region> regions_;         // by slot
+  std::vector<Sphere> spheres_;         // by slot; apart, as flips ask for centres alone
+  std::vector<Extents> extents_;        // by slot; apart, as few fits ask for them
+  std::vector<bool> pinned_;            // by slot; empty if none is
+  std::vector<Eigen::Vector3d> means_;  // by slot: of the region's weighted area; empty without compactness
 };
 
 }  // namespace armature::sdk

@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 using tubes::farthest_apart;
 
 struct Shape {
-  explicit Shape(Mesh of) : mesh(std::move(of)), hierarchy(build_hierarchy(mesh).value().hierarchy) {}
+  explicit Shape(Mesh of, const HierarchyOptions& options = {})
+      : mesh(std::move(of)), hierarchy(build_hierarchy(mesh, options).value().hierarchy) {}
   [[nodiscard]] std::vector<SphereId> spheres_where(std::size_t level, auto&& is) const {
     std::vector<SphereId> found;
     const auto spheres = hierarchy.level(level).value().spheres;
@@ -91,6 +92,36 @@ TEST(Deform, BendsATubeWithoutLosingVolume) {
         EXPECT_NEAR(tubes::volume(*bent) / before, 1, 0.02) << level << ' ' << angle;
         EXPECT_GT(bounding_box(*bent).sizes().y(), bounding_box(tube.mesh).sizes().y() + angle);
       }
+}
+
+TEST(Deform, BendsAStraightCylinderOfCompactClustersWithoutLosingVolume) {
+  // Nothing tells the sides of a perfect cylinder apart. Its axis becomes an arc, then it bends in its middle third.
+  constexpr double kLength = 8;
+  for (const int around : {32, 48}) {
+    const Shape tube(tubes::tube(kLength, 1, 0, around, 160), {.compactness = 0.01});
+    const double before = tubes::volume(tube.mesh);
+    for (const std::size_t level : {6, 10, 20}) {
+      const auto spheres = tube.hierarchy.level(level)->spheres;
+      for (const double angle : {0.5, 1.0, 1.5})
+        for (const double part : {1.0, 1.0 / 3}) {
+          const double radius = part * kLength / angle;
+          std::vector<SphereMove> bend;
+          for (const Sphere& sphere : spheres) {
+            const double x = sphere.centre.x();
+            const double on_arc = std::clamp(x, -part * kLength / 2, part * kLength / 2);
+            const double turn = on_arc / radius;
+            const Vector3d to(radius * std::sin(turn) + (x - on_arc) * std::cos(turn),
+                              radius * (1 - std::cos(turn)) + (x - on_arc) * std::sin(turn), 0);
+            bend.push_back({.spheres = {SphereId(bend.size())},
+                            .translate = to - Vector3d(x, 0, 0),
+                            .rotate = {0, 0, turn},
+                            .about = Vector3d(x, 0, 0)});
+          }
+          const auto bent = deform(tube.mesh, tube.hierarchy, level, bend);
+          EXPECT_NEAR(tubes::volume(*bent) / before, 1, 0.02) << around << ' ' << level << ' ' << angle << ' ' << part;
+        }
+    }
+  }
 }
 
 TEST(Deform, TwistsATubeWithoutLosingVolume) {

@@ -316,6 +316,7 @@ TEST(Build, RefusesWhatItCannotUse) {
     return build ? std::string() : build.error().message;
   };
   EXPECT_EQ(why({.regularise = -1}), "regularise: expected 0 or more");
+  EXPECT_EQ(why({.compactness = -1}), "compactness: expected 0 or more");
   EXPECT_EQ(why({.enrichment = 0.1, .keep_topology = true}), "enrichment: expected 0 where the topology is kept");
   EXPECT_EQ(why({.weights = {1, 2}}), "weights: expected one a vertex, 18, found 2");
   HierarchyOptions weightless{.weights = std::vector<double>(18, 1)};
