@@ -66,13 +66,17 @@ PlaneSums& PlaneSums::operator+=(const PlaneSums& other) noexcept {
   return *this;
 }
 
-void PlaneSums::add_cell(const Vector3d& p, const Vector3d& q, const Vector3d& r) noexcept {
-  const Vector3d N = (q - p).cross(r - p) / 3;
-  const double length = N.norm();
-  if (!(length > 0)) return;
-  // Two triangles of equal area, from p to the middle of a side and the middle of all.
-  const Vector3d middle = (p + ((p + q) + (p + r)) / 4 + (p + q + r) / 3) / 3;
-  const Vector3d unit = N / length;
+CellPlane CellPlane::of(const Vector3d& a, const Vector3d& b, const Vector3d& c) noexcept {
+  const Vector3d normal = (b - a).cross(c - a) / 3;
+  const double size = normal.norm();
+  return {normal, size > 0 ? Vector3d(normal / size) : Vector3d::Zero(), size};
+}
+
+void PlaneSums::add_cell(const CellPlane& plane, const Vector3d& p, const Vector3d& sum) noexcept {
+  const auto& [N, unit, length] = plane;
+  // Two triangles of equal area, from p to the middle of a side and the middle of all: (p + (p + q + p + r) / 4 + (p +
+  // q + r) / 3) / 3.
+  const Vector3d middle = (15 * p + 7 * sum) / 36;
   const double at = N.dot(p);
   nn[0] += N.x() * unit.x(), nn[1] += N.x() * unit.y(), nn[2] += N.x() * unit.z();
   nn[3] += N.y() * unit.y(), nn[4] += N.y() * unit.z(), nn[5] += N.z() * unit.z();

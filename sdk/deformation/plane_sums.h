@@ -10,6 +10,15 @@
 
 namespace armature::sdk {
 
+/// The plane of a triangle, for its three corners.
+struct CellPlane {
+  Eigen::Vector3d normal;  ///< N / 3
+  Eigen::Vector3d unit;    ///< N / |N|, or 0
+  double size;             ///< |N| / 3
+  [[nodiscard]] static CellPlane of(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                    const Eigen::Vector3d& c) noexcept;
+};
+
 /// What the quadric of a region is made of, summed over its faces: with N a face's normal twice as long as its area, p
 /// a corner and g its middle. Relative to a point near the region.
 struct PlaneSums {
@@ -21,8 +30,9 @@ struct PlaneSums {
   std::array<double, 3> g{};   ///< |N| g
 
   PlaneSums& operator+=(const PlaneSums& other) noexcept;
-  /// Of the part of a triangle about its corner p, between the middles of its sides: a third of its area.
-  void add_cell(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r) noexcept;
+  /// Of the part of a triangle about its corner p, between the middles of its sides: a third of its area. The corners'
+  /// sum is p + q + r.
+  void add_cell(const CellPlane& plane, const Eigen::Vector3d& p, const Eigen::Vector3d& sum) noexcept;
   /// Of the whole: planes weigh as their areas, and `regularise` times the integral of |q - x|^2 is added. Its constant
   /// part is left out.
   [[nodiscard]] SphericalQuadric quadric(double regularise) const noexcept;

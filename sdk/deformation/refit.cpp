@@ -59,8 +59,8 @@ struct Refit::Region {
   Matrix3d spread = Matrix3d::Zero();  ///< covariance of its vertices now
   bool wanted = true;
   bool moved = false;
-  PlaneSums sums;                ///< of its faces now, about frame.now
-  std::vector<Vector3d> border;  ///< where its cells end between it and others
+  PlaneSums sums;                     ///< of its faces now, about frame.now
+  std::vector<std::uint32_t> border;  ///< where its cells end between it and others: 3 times a triangle and a corner
 };
 
 Refit::Refit(const Mesh& mesh, const Hierarchy& hierarchy)
@@ -161,16 +161,19 @@ void Refit::add_triangles(std::span<const NodeId> cut, const std::vector<Vector3
   }
   const auto is_wanted = [](const Region& region) { return region.wanted && region.moved; };
   const auto add_border = [&](std::uint32_t from, std::uint32_t to) {
-    for (std::uint32_t t = from; t < to; ++t)
-      for (std::size_t k = 0; k < 3; ++k) {
-        Region& own = regions[region_at[triangles_[t][k]]];
+    for (std::uint32_t t = from; t < to; ++t) {
+      const auto& corners = triangles_[t];
+      if (std::ranges::none_of(corners, [&](std::uint32_t p) { return is_wanted(regions[region_at[p]]); })) continue;
+      const auto& [a, b, c] = corners;
+      const CellPlane plane = CellPlane::of(now[a], now[b], now[c]);
+      const Vector3d sum = now[a] + now[b] + now[c];
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        Region& own = regions[region_at[corners[k]]];
         if (!is_wanted(own)) continue;
-        const Vector3d& p = now[triangles_[t][k]];
-        const Vector3d& q = now[triangles_[t][(k + 1) % 3]];
-        const Vector3d& r = now[triangles_[t][(k + 2) % 3]];
-        own.sums.add_cell(p - own.frame.now, q - own.frame.now, r - own.frame.now);
-        own.border.insert(own.border.end(), {(p + q) / 2, (p + r) / 2, (p + q + r) / 3});
+        own.sums.add_cell(plane, now[corners[k]] - own.frame.now, sum - 3 * own.frame.now);
+        own.border.push_back(3 * t + k);
       }
+    }
   };
   // What lies within a region is one piece; what lies between these pieces are borders.
   std::uint32_t done = 0;
@@ -187,13 +190,22 @@ void Refit::add_triangles(std::span<const NodeId> cut, const std::vector<Vector3
 
 double Refit::smallest_extent(NodeId node, const Region& region, const std::vector<Vector3d>& now) const {
   const auto [begin, end] = hierarchy_->range(node);
-  const std::size_t count = end - begin + region.border.size();
-  std::vector<EightPoints> points((count + 7) / 8);
-  for (std::size_t i = 0; i < 8 * points.size(); ++i) {
-    const std::size_t k = std::min(i, count - 1);  // the last is repeated
-    const Vector3d& p = k < end - begin ? now[begin + k] : region.border[k - (end - begin)];
-    points[i / 8].set(i % 8, (p - region.frame.now).cast<float>());
+  std::vector<EightPoints> points((end - begin + 3 * region.border.size() + 7) / 8);
+  std::size_t count = 0;
+  const auto add = [&](const Vector3d& p) {
+    points[count / 8].set(count % 8, (p - region.frame.now).cast<float>());
+    ++count;
+  };
+  for (std::uint32_t i = begin; i < end; ++i) add(now[i]);
+  for (const std::uint32_t cell : region.border) {
+    const auto& corners = triangles_[cell / 3];
+    const Vector3d& p = now[corners[cell % 3]];
+    const Vector3d& q = now[corners[(cell + 1) % 3]];
+    const Vector3d& r = now[corners[(cell + 2) % 3]];
+    for (const Vector3d& end_of_cell : {Vector3d((p + q) / 2), Vector3d((p + r) / 2), Vector3d((p + q + r) / 3)})
+      add(end_of_cell);
   }
+  while (count < 8 * points.size()) add(now[end - 1]);  // is repeated
   const Matrix3d model_from_shape = region.frame.turn * shape_from_model_.transpose();
   float smallest = std::numeric_limits<float>::infinity();
   for (const Eigen::Vector3f& direction : half_sphere_directions())
