@@ -156,6 +156,30 @@ TEST(ExpandPart, CutsALongerLimbAtItsRoot) {
   EXPECT_LT(limbs::overlap(expanded.creature.mesh, expanded.creature.beyond(5, along), root), 0.95);
 }
 
+TEST(ExpandPart, FindsPartsAlthoughATunnelJoinsTwoOfThem) {
+  // Figure 5.11 a-b of the thesis: there the tunnel changes the factor so that none of these are found.
+  struct Case {
+    double tunnel, cut;  // along the limbs
+    double joined;       // the least overlap of limbs that it joins
+  };
+  for (const auto& [tunnel, cut, joined] : {Case{0.3, 0.3, 0.95}, Case{0.5, 0.1, 0.8}, Case{0.7, 0.1, 0.4}}) {
+    Creature creature = copies();
+    limbs::join_by_tunnel(creature, 1, 2, tunnel);
+    const Expanded expanded(creature, cut);
+    ASSERT_GE(expanded.expansion.size(), kCopies);
+    std::map<int, double> overlaps;
+    for (const Match& match : expanded.expansion.first(6)) {
+      const auto [limb, overlap] = expanded.found(match);
+      overlaps[limb] = overlap;
+      if (limb == 3 || limb == 4) {
+        EXPECT_GT(match.score, 0.98) << limb << " at " << tunnel;
+      }
+    }
+    for (const int limb : {3, 4}) EXPECT_GT(overlaps[limb], 0.95) << limb << " at " << tunnel;
+    for (const int limb : {1, 2}) EXPECT_GT(overlaps[limb], joined) << limb << " at " << tunnel;
+  }
+}
+
 TEST(ExpandPart, LeavesRoomForWhatIsNotAlikeAfterTheCopies) {
   const Expanded expanded(copies(), 0.1);
   const auto matches = expanded.expansion.first(expanded.expansion.size());

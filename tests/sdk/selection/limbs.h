@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <random>
@@ -173,6 +174,59 @@ inline Creature creature(std::vector<Limb> limbs, double edge = 0.04, double noi
     for (Eigen::Vector3d& p : positions)
       for (int k = 0; k < 3; ++k) p[k] += deviation * normal(random);
   return result;
+}
+
+/// Joins two limbs by a tunnel, three sides wide, between the faces that are nearest to one another of those at a place
+/// along them.
+inline void join_by_tunnel(Creature& creature, int first, int second, double along) {
+  Mesh& mesh = creature.mesh;
+  const auto ring = [&](int limb) {
+    std::vector<FaceId> faces = creature.beyond(limb, along - 0.05);
+    const auto farther = creature.beyond(limb, along + 0.05);
+    std::erase_if(faces, [&](FaceId face) { return std::ranges::binary_search(farther, face); });
+    return faces;
+  };
+  const auto middle = [&](FaceId face) -> Eigen::Vector3d {
+    return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+  };
+  std::pair<FaceId, FaceId> ends;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const FaceId a : ring(first))
+    for (const FaceId b : ring(second))
+      if (const double distance = (middle(a) - middle(b)).norm(); distance < nearest) {
+        nearest = distance;
+        ends = {a, b};
+      }
+  const Triangle from = mesh.triangle(ends.first);
+  Triangle to = mesh.triangle(ends.second);
+  std::swap(to[1], to[2]);  // seen from the other side
+  const auto twist = [&](std::size_t turn) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (mesh.position(from[k]) - mesh.position(to[(k + turn) % 3])).norm();
+    return sum;
+  };
+  std::ranges::rotate(to, to.begin() + std::ranges::min({0, 1, 2}, {}, twist));
+  constexpr int kRings = 12;
+  std::vector<Triangle> sides;
+  Triangle here = from;
+  for (int i = 1; i <= kRings; ++i) {
+    Triangle next = to;
+    for (std::size_t k = 0; i < kRings && k < 3; ++k) {
+      next[k] = VertexId(mesh.positions.size());
+      const double share = static_cast<double>(i) / kRings;
+      mesh.positions.emplace_back((1 - share) * mesh.position(from[k]) + share * mesh.position(to[k]));
+      creature.limb_of.push_back(-1);
+      creature.places.emplace_back();
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t l = (k + 1) % 3;
+      sides.insert(sides.end(), {Triangle{here[k], here[l], next[l]}, Triangle{here[k], next[l], next[k]}});
+    }
+    here = next;
+  }
+  mesh.triangles[ends.first.index()] = sides[0];
+  mesh.triangles[ends.second.index()] = sides[1];
+  mesh.triangles.insert(mesh.triangles.end(), sides.begin() + 2, sides.end());
 }
 
 /// The area of what two sets of faces have in common over that of their union; both ascend.
