@@ -142,14 +142,15 @@ Turns turns_of_axes(const ComponentShape& match, const ComponentShape& reference
 /// The turns that lay the faces of one component onto those of another in their order, as if it were its copy (Kabsch
 /// 1976). The misfit is the root mean square distance over the reference's root mean square radius.
 Turns turns_of_copies(const Mesh& mesh, std::span<const FaceId> match, const ComponentShape& match_shape,
-                      std::span<const FaceId> reference, const ComponentShape& reference_shape, double scale) {
+                      const Mesh& reference_mesh, std::span<const FaceId> reference,
+                      const ComponentShape& reference_shape, double scale) {
   const std::size_t pairs = std::min(kPairs, match.size());
   Matrix3d covariance = Matrix3d::Zero();
   double spread = 0;
   for (std::size_t i = 0; i < pairs; ++i) {
     const std::size_t place = i * match.size() / pairs;
     const Vector3d m = scale * (middle(mesh, match[place]) - match_shape.centroid);
-    const Vector3d r = middle(mesh, reference[place]) - reference_shape.centroid;
+    const Vector3d r = middle(reference_mesh, reference[place]) - reference_shape.centroid;
     covariance += r * m.transpose();
     spread += r.squaredNorm() + m.squaredNorm();
   }
@@ -226,14 +227,19 @@ Expected<std::vector<FaceId>> ComponentIndex::select(FaceId face) const {
 }
 
 Expected<Expansion> ComponentIndex::expand(FaceId face) const {
-  const auto chosen = component_of(face);
+  return expand(*this, face);
+}
+
+Expected<Expansion> ComponentIndex::expand(const ComponentIndex& of, FaceId face) const {
+  const auto chosen = of.component_of(face);
   if (!chosen) return tl::unexpected(chosen.error());
-  const ComponentShape& reference = shapes_[*chosen];
+  const ComponentShape& reference = of.shapes_[*chosen];
+  const auto reference_faces = of.faces(*chosen);
   std::vector<Candidate> candidates;
   std::vector<Rejected> rejected;
   candidates.reserve(size());
   for (std::size_t c = 0; c < size(); ++c) {
-    if (c == *chosen) continue;
+    if (&of == this && c == *chosen) continue;
     const ComponentShape& shape = shapes_[c];
     const auto its_faces = faces(c);
     if (!(shape.area > 0) || !(reference.area > 0)) {
@@ -243,8 +249,8 @@ Expected<Expansion> ComponentIndex::expand(FaceId face) const {
     const double scale = std::sqrt(reference.spread.sum() / shape.spread.sum());
     std::optional<Turns> turns;
     bool mirrored = false;
-    if (its_faces.size() == faces(*chosen).size()) {
-      const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, faces(*chosen), reference, scale);
+    if (its_faces.size() == reference_faces.size()) {
+      const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, *of.mesh_, reference_faces, reference, scale);
       mirrored = of_copies.prefer_mirrored(1e-6);
       if ((mirrored ? of_copies.mirrored : of_copies.proper).misfit < kCopy) turns = of_copies;
     }
@@ -262,7 +268,7 @@ Expected<Expansion> ComponentIndex::expand(FaceId face) const {
                    (mirrored ? ", mirrored" : "") + size_in_words(1 / scale);
     candidates.push_back({std::move(match), shape.context});
   }
-  return Expansion(copy_of(faces(*chosen)), std::move(candidates), std::move(rejected));
+  return Expansion(copy_of(reference_faces), std::move(candidates), std::move(rejected));
 }
 
 }  // namespace armature::sdk

@@ -47,14 +47,22 @@ std::optional<std::uint32_t> node_of(const PartModel& model, const LevelTree& tr
   return best_ratio > kLeastRatio ? best : std::nullopt;
 }
 
-/// How unlike a node's girth runs to the reference's, as their sizes and the distances from the cut are measured in
-/// girths: mean |log| over the way towards the tip, and a little on the other side.
+/// A node of a tree.
+struct NodeOf {
+  const LevelTree& tree;
+  std::uint32_t number;
+  [[nodiscard]] const LevelNode& operator*() const { return tree.nodes()[number]; }
+};
+
+/// How unlike a node's girth runs to the reference's, which may be another tree's, as their sizes and the distances
+/// from the cut are measured in girths: mean |log| over the way towards the tip, and a little on the other side.
 class GirthProfile {
  public:
-  GirthProfile(const LevelTree& tree, std::uint32_t reference) : tree_(tree), reference_(tree.nodes()[reference]) {
+  GirthProfile(const LevelTree& tree, NodeOf reference) : tree_(tree), reference_(*reference) {
     for (int i = 0; i < kSteps; ++i) {
       ways_[static_cast<std::size_t>(i)] = (kFrom + (kTo - kFrom) * i / (kSteps - 1)) * radius(reference_);
-      girths_[static_cast<std::size_t>(i)] = tree.girth_at(reference, ways_[static_cast<std::size_t>(i)]);
+      girths_[static_cast<std::size_t>(i)] =
+          reference.tree.girth_at(reference.number, ways_[static_cast<std::size_t>(i)]);
     }
   }
 
@@ -87,17 +95,17 @@ class GirthProfile {
 };
 
 /// The nodes whose girth runs most like the reference's, no two of which share a region.
-std::vector<std::uint32_t> likely_nodes(const LevelTree& tree, std::uint32_t reference,
-                                        const ExpandPartOptions& options) {
+std::vector<std::uint32_t> likely_nodes(const LevelTree& tree, NodeOf reference, const ExpandPartOptions& options) {
   const GirthProfile profile(tree, reference);
-  const LevelNode& wanted = tree.nodes()[reference];
+  const LevelNode& wanted = *reference;
   std::vector<double> unlikeness(tree.nodes().size(), -1);
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(unlikeness.size()), [&](std::uint32_t n) {
     const double s = profile.scale(n);
     if (!(s <= options.largest_scale) || !(s >= 1 / options.largest_scale)) return;
     // What does not reach out at all is a spot on the body.
     constexpr double kLeastLength = 0.25;
-    if (tree.nodes()[n].along < kLeastLength * s * wanted.along || tree.nested(n, reference)) return;
+    if (tree.nodes()[n].along < kLeastLength * s * wanted.along) return;
+    if (&tree == &reference.tree && tree.nested(n, reference.number)) return;
     unlikeness[n] = profile.unlikeness(n);
   });
   std::vector<std::pair<double, std::uint32_t>> costs;
@@ -119,27 +127,27 @@ std::vector<std::uint32_t> likely_nodes(const LevelTree& tree, std::uint32_t ref
 /// units are the reference's.
 class PartDescriptor {
  public:
-  PartDescriptor(const PartModel& model, const LevelTree& tree, std::uint32_t reference)
-      : model_(model), tree_(tree), reference_(tree.nodes()[reference]) {}
+  PartDescriptor(const PartModel& of, const LevelNode& reference)
+      : height_(kOver * (of.conformal_factor()[static_cast<Index>(reference.tip.index())] - reference.level)),
+        length_(kOver * reference.along / reference.girth) {}
 
-  [[nodiscard]] Histogram describe(std::uint32_t node, std::span<const FaceId> part) const {
+  [[nodiscard]] Histogram describe(const PartModel& model, std::uint32_t node, std::span<const FaceId> part) const {
     Histogram factor(kBins, 0);
     Histogram distance(kBins, 0);
     Histogram girth(kBins, 0);
-    const Mesh& mesh = model_.surface().mesh;
-    const Eigen::VectorXd& phi = model_.conformal_factor();
-    const LevelNode& own = tree_.nodes()[node];
-    const double height = kOver * (phi[static_cast<Index>(reference_.tip.index())] - reference_.level);
+    const Mesh& mesh = model.surface().mesh;
+    const Eigen::VectorXd& phi = model.conformal_factor();
+    const auto& nodes = model.level_tree().nodes();
+    const LevelNode& own = nodes[node];
     for (const FaceId face : part) {
       double mean = 0;
       for (const VertexId v : mesh.triangle(face)) mean += phi[static_cast<Index>(v.index())] / 3;
-      add(factor, (mean - own.level) / height, area_vector(mesh, face).norm());
+      add(factor, (mean - own.level) / height_, area_vector(mesh, face).norm());
     }
-    const double length = kOver * reference_.along / reference_.girth;
-    for (std::uint32_t n = node; n != LevelNode::kNone; n = tree_.nodes()[n].main_child) {
-      const LevelNode& at = tree_.nodes()[n];
-      const double beyond = at.main_child == LevelNode::kNone ? 0 : tree_.nodes()[at.main_child].area;
-      add(distance, (own.along - at.along) / own.girth / length, at.area - beyond);
+    for (std::uint32_t n = node; n != LevelNode::kNone; n = nodes[n].main_child) {
+      const LevelNode& at = nodes[n];
+      const double beyond = at.main_child == LevelNode::kNone ? 0 : nodes[at.main_child].area;
+      add(distance, (own.along - at.along) / own.girth / length_, at.area - beyond);
       add(girth, 0.5 * at.girth / own.girth, at.area - beyond);
     }
     Histogram all;
@@ -164,9 +172,8 @@ class PartDescriptor {
     histogram[low + 1] += static_cast<float>(high_share * mass);
   }
 
-  const PartModel& model_;
-  const LevelTree& tree_;
-  const LevelNode& reference_;
+  double height_;
+  double length_;
 };
 
 constexpr double kReach = 1;            // of the rings about a virtual stroke, in offsets
@@ -210,26 +217,31 @@ struct Solved {
 
 Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> part, const ExpandPartOptions& options,
                                 const Task& task) {
+  return expand_part(model, model, part, options, task);
+}
+
+Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std::span<const FaceId> part,
+                                const ExpandPartOptions& options, const Task& task) {
   if (part.empty()) return fail("no part to compare with: it has no faces");
   const Surface& surface = model.surface();
   const Mesh& mesh = surface.mesh;
   const LevelTree& tree = model.level_tree();
   if (task.stopped()) return cancelled();
   std::vector<FaceId> reference(part.begin(), part.end());
-  const auto reference_node = node_of(model, tree, part);
+  const auto reference_node = node_of(of, of.level_tree(), part);
   if (!reference_node)
     return Expansion(std::move(reference), {},
                      {{part[part.size() / 2], "nothing is compared: the part is not a protrusion around one tip"}});
 
-  const std::vector<std::uint32_t> nodes = likely_nodes(tree, *reference_node, options);
-  std::vector<bool> in_reference(mesh.triangles.size(), false);
+  const std::vector<std::uint32_t> nodes = likely_nodes(tree, {of.level_tree(), *reference_node}, options);
+  std::vector<bool> in_reference(of.surface().mesh.triangles.size(), false);
   for (const FaceId face : part) in_reference[face.index()] = true;
-  RingCut around_reference(model);
-  const LevelNode& reference_root = tree.nodes()[*reference_node];
+  RingCut around_reference(of);
+  const LevelNode& reference_root = of.level_tree().nodes()[*reference_node];
   const PartRegistration onto_reference(
-      surface, part, around_reference.ring_around(reference_root, kCarryReach * reference_root.girth).near);
-  const PartDescriptor descriptor(model, tree, *reference_node);
-  const Histogram wanted = descriptor.describe(*reference_node, part);
+      of.surface(), part, around_reference.ring_around(reference_root, kCarryReach * reference_root.girth).near);
+  const PartDescriptor descriptor(of, reference_root);
+  const Histogram wanted = descriptor.describe(of, *reference_node, part);
 
   task.report("parts", 0);
   std::vector<Solved> solved(nodes.size());
@@ -263,19 +275,20 @@ Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> 
       FaceId hint;
       for (const VertexId v : ring.near) {
         const Eigen::Vector4d p = carry.reference_from_part * mesh.position(v).homogeneous();
-        hint = surface.tree.closest(p.head<3>(), {.hint = hint}).face;
+        hint = of.surface().tree.closest(p.head<3>(), {.hint = hint}).face;
         inside.push_back(in_reference[hint.index()]);
       }
       std::vector<FaceId> carried = cutter.within(node, ring, inside);
       if (!carried.empty()) result.faces = std::move(carried);
     }
-    result.histogram = descriptor.describe(nodes[i], result.faces);
+    result.histogram = descriptor.describe(model, nodes[i], result.faces);
   });
   if (task.stopped()) return cancelled();
 
   std::vector<Candidate> candidates;
   std::vector<Rejected> rejected;
-  std::vector<bool> taken = in_reference;
+  std::vector<bool> taken(mesh.triangles.size(), false);
+  if (&of == &model) taken = in_reference;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Solved& result = solved[i];
     const LevelNode& node = tree.nodes()[nodes[i]];

@@ -150,20 +150,20 @@ std::optional<Passage> prism_passage(const SphereTriangle& triangle, const Facet
     return std::array{((1 - gc * growth_c) * b + gb * growth_c * c) / determinant,
                       (gc * growth_b * b + (1 - gb * growth_b) * c) / determinant};
   };
-  const auto [wb0, wc0] = weights(b0, c0);
-  const auto [wb1, wc1] = weights(b1, c1);
+  const auto w0 = weights(b0, c0);
+  const auto w1 = weights(b1, c1);
   Stretch stretch;
-  stretch.cut(-wb0, -wb1);
-  stretch.cut(-wc0, -wc1);
-  stretch.cut(wb0 + wc0 - 1, wb1 + wc1);
+  stretch.cut(-w0[0], -w1[0]);
+  stretch.cut(-w0[1], -w1[1]);
+  stretch.cut(w0[0] + w0[1] - 1, w1[0] + w1[1]);
   for (const double sign : {1.0, -1.0}) {
     const Vector3d normal = f.normal(sign);
     stretch.cut(normal.dot(v) - f.radius_a, normal.dot(d));
   }
   if (stretch.empty() || !std::isfinite(stretch.entry) || !std::isfinite(stretch.exit)) return std::nullopt;
   const auto crossing = [&](double t) {
-    const double b = std::clamp(wb0 + t * wb1, 0.0, 1.0);
-    const double c = std::clamp(wc0 + t * wc1, 0.0, 1 - b);
+    const double b = std::clamp(w0[0] + t * w1[0], 0.0, 1.0);
+    const double c = std::clamp(w0[1] + t * w1[1], 0.0, 1 - b);
     return Crossing{t, {1 - b - c, b, c}};
   };
   return Passage{crossing(stretch.entry), crossing(stretch.exit)};

@@ -98,6 +98,16 @@ class Select(unittest.TestCase):
         self.assertLess(abs(len(match["faces"]) / len(result["reference"]["faces"]) - 1), 0.1)
         self.assertFalse(set(match["faces"]) & set(result["reference"]["faces"]))
 
+    def test_a_part_of_another_mesh_and_those_like_it(self):
+        stroke = {"tool": "part", "stroke": [[0.25, 0, 1.3], [0.18, 0.18, 1.3], [0, 0.25, 1.3]]}
+        other = self.file("of.off", horned_ball())
+        result = self.select_on(horned_ball(), stroke, "--expand", 2, "--from", other)
+        reference = set(result["reference"]["faces"])
+        found = [set(match["faces"]) for match in result["matches"]]
+        self.assertEqual(len(found), 2)
+        self.assertGreater(max(len(faces & reference) for faces in found) / len(reference), 0.9)
+        self.assertFalse(found[0] & found[1])
+
     def test_strokes_that_cannot_be_drawn(self):
         self.assert_refused('{"tool":"part"}', '"stroke"', "is missing")
         self.assert_refused('{"tool":"part","stroke":[]}', '"stroke"', "found none")
@@ -117,6 +127,11 @@ class Select(unittest.TestCase):
         for value, expected in zip(best["transform"], [1, 0, 0, -6, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]):
             self.assertAlmostEqual(value, expected, 9)
         self.assertTrue(best["reason"])
+
+    def test_a_component_of_another_mesh_and_those_like_it(self):
+        result = self.select({"tool": "component", "face": 5}, "--expand", 9, "--from", self.mesh)
+        self.assertEqual(result["matches"][0]["faces"], list(range(12)))
+        self.assertEqual(len(result["matches"]), 1 + len(self.select({"tool": "component", "face": 5}, "--expand", 9)["matches"]))
 
     def test_a_patch_and_its_likes(self):
         self.mesh = self.file("table.off", table([(-0.5, -0.5, 0.2), (0.5, 0.5, 0.2), (0.5, -0.5, 0.08)]))

@@ -69,6 +69,24 @@ TEST(ComponentIndex, CopiesComeFirstWithTheirMotion) {
   EXPECT_LT(expansion.first(2)[1].score, 0.9);
 }
 
+TEST(ComponentIndex, FindsWhatIsLikeAComponentOfAnotherMesh) {
+  const Matrix4d there = motion({1, 2, 3}, 1.2, 1.7, {9, 1, 0});
+  const Mesh other = surfaces::together(surfaces::cube(), wedge());
+  const Mesh mesh = surfaces::together(moved(wedge(), there), surfaces::cube());
+  const auto of = ComponentIndex::build(other, Adjacency(other)).value();
+  const auto index = ComponentIndex::build(mesh, Adjacency(mesh)).value();
+  const auto expansion = index.expand(of, FaceId(12));
+  ASSERT_TRUE(expansion);
+  EXPECT_EQ(expansion->reference(), *of.select(FaceId(12)));
+  ASSERT_EQ(expansion->size(), 2U);
+  const auto matches = expansion->first(2);
+  EXPECT_EQ(matches[0].faces, *index.select(FaceId(0)));
+  EXPECT_GT(matches[0].score, 0.999);
+  EXPECT_LT((matches[0].reference_from_match * there - Matrix4d::Identity()).norm(), 1e-9);
+  EXPECT_LT(matches[1].score, 0.9);
+  EXPECT_FALSE(index.expand(of, FaceId(16)));
+}
+
 TEST(ComponentIndex, TheSameShapeInOtherTrianglesIsFoundByItsAxes) {
   const Matrix4d there = motion({1, -1, 0.5}, 2.5, 0.5, {9, 1, 0});
   const Expansion expansion = expand(surfaces::together(wedge(), moved(wedge(2), there)), 0);

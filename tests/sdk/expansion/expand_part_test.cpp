@@ -180,6 +180,41 @@ TEST(ExpandPart, FindsPartsAlthoughATunnelJoinsTwoOfThem) {
   }
 }
 
+TEST(ExpandPart, FindsThePartsOfAnotherSurface) {
+  const Expanded expanded(copies(), 0.3);
+  const Limb& limb = expanded.creature.limbs[0];
+  Limb turned = limb;
+  turned.towards = {0.6, 0, 0.8};
+  turned.turn_rad = 1;
+  Limb small = limb;
+  small.towards = {-0.8, 0.6, 0};
+  small.width_rad = 0.25;
+  small.mirrored = true;
+  const Creature other = limbs::creature({turned, small, {.towards = {0, 0, -1}, .length = 2}}, 0.05);
+  const Surface surface(other.mesh);
+  const auto model = PartModel::build(surface).value();
+  const auto expansion = expand_part(model, expanded.model, expanded.reference);
+  ASSERT_TRUE(expansion);
+  EXPECT_EQ(expansion->reference(), expanded.reference);
+  ASSERT_GE(expansion->size(), 2U);
+  std::map<int, double> overlaps;
+  for (const Match& match : expansion->first(2)) {
+    EXPECT_GT(match.score, 0.9);
+    for (int i = 0; i < 2; ++i) {
+      // A face belongs to the match if it lies on the reference when it is laid onto it.
+      std::vector<FaceId> wanted;
+      for (const FaceId face : other.beyond(i, 0)) {
+        Vector3d there = Vector3d::Zero();
+        for (const VertexId v : other.mesh.triangle(face)) there += limbs::place(limb, other.places[v.index()]) / 3;
+        if (std::ranges::binary_search(expanded.reference, expanded.surface.tree.closest(there).face))
+          wanted.push_back(face);
+      }
+      overlaps[i] = std::max(overlaps[i], limbs::overlap(other.mesh, match.faces, wanted));
+    }
+  }
+  for (int i = 0; i < 2; ++i) EXPECT_GT(overlaps[i], 0.95) << i;
+}
+
 TEST(ExpandPart, LeavesRoomForWhatIsNotAlikeAfterTheCopies) {
   const Expanded expanded(copies(), 0.1);
   const auto matches = expanded.expansion.first(expanded.expansion.size());

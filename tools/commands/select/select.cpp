@@ -54,15 +54,19 @@ struct Select {
   const sdk::Task& task;
 
   sdk::Expected<Outcome> operator()(const ComponentGesture& gesture) const {
-    if (&drawn_on != &mesh)
-      return sdk::fail("--from works with patches and the lasso; click a component of the mesh itself");
     const auto start = std::chrono::steady_clock::now();
-    const sdk::Adjacency adjacency(mesh);
-    const auto index = sdk::ComponentIndex::build(mesh, adjacency, task);
+    const auto index_of = [&](const sdk::Mesh& of) { return sdk::ComponentIndex::build(of, sdk::Adjacency(of), task); };
+    const auto index = index_of(mesh);
     if (!index) return tl::unexpected(index.error());
+    std::optional<sdk::ComponentIndex> other;
+    if (&drawn_on != &mesh) {
+      auto built = index_of(drawn_on);
+      if (!built) return tl::unexpected(built.error());
+      other = std::move(*built);
+    }
     const double load_ms = milliseconds_since(start);
     const auto clicked = std::chrono::steady_clock::now();
-    auto expansion = index->expand(gesture.face);
+    auto expansion = other ? index->expand(*other, gesture.face) : index->expand(gesture.face);
     if (!expansion) return tl::unexpected(expansion.error());
     return Outcome{std::move(*expansion), {{"load", number(load_ms)}, {"expand", number(milliseconds_since(clicked))}}};
   }
@@ -105,10 +109,8 @@ struct Select {
   }
 
   sdk::Expected<Outcome> operator()(const PartGesture& gesture) const {
-    if (&drawn_on != &mesh)
-      return sdk::fail("--from works with patches and the lasso; draw along a cut of the mesh itself");
     const auto start = std::chrono::steady_clock::now();
-    const sdk::Surface surface(mesh);
+    const sdk::Surface surface(drawn_on);
     const auto model = sdk::PartModel::build(surface, task);
     if (!model) return tl::unexpected(model.error());
     sdk::PartCut cut(*model);
@@ -125,10 +127,19 @@ struct Select {
     Json timings = {{"load", number(load_ms)}, {"select", number(milliseconds_since(drawn))}};
     if (arguments.expand == 0) return Outcome{sdk::Expansion(std::move(*part), {}, {}), std::move(timings)};
     const auto began = std::chrono::steady_clock::now();
-    auto expansion = sdk::expand_part(*model, *part, {}, task);
+    auto expansion = &drawn_on == &mesh ? sdk::expand_part(*model, *part, {}, task) : expand_elsewhere(*model, *part);
     if (!expansion) return tl::unexpected(expansion.error());
     timings["expand"] = number(milliseconds_since(began));
     return Outcome{std::move(*expansion), std::move(timings)};
+  }
+
+  /// The likes in `mesh` of a part of the other.
+  [[nodiscard]] sdk::Expected<sdk::Expansion> expand_elsewhere(const sdk::PartModel& of,
+                                                               std::span<const sdk::FaceId> part) const {
+    const sdk::Surface surface(mesh);
+    return sdk::PartModel::build(surface, task).and_then([&](const sdk::PartModel& model) {
+      return sdk::expand_part(model, of, part, {}, task);
+    });
   }
 };
 
@@ -210,7 +221,7 @@ void add_select(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->type_name("K");
   command->add_flag("--any-size", arguments->any_size, "patches also from half to twice the size");
-  command->add_option("--from", arguments->from, "the patch is drawn on this mesh; its likes are looked for in MESH")
+  command->add_option("--from", arguments->from, "the gesture is drawn on this mesh; its likes are looked for in MESH")
       ->type_name("MESH2");
   command
       ->add_option("--ply", arguments->ply, "write the mesh coloured: selection red, matches blue, paler if less alike")

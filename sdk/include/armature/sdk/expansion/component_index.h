@@ -54,6 +54,8 @@ class ComponentIndex {
   /// All other components as matches of that of a face, scored by 1 - chi-square of their contexts, so that size, turn
   /// and mirroring do not matter; each comes with the motion onto the reference. Refused as by `select()`.
   [[nodiscard]] Expected<Expansion> expand(FaceId face) const;
+  /// All components of this mesh as matches of one of another mesh, that of a face there.
+  [[nodiscard]] Expected<Expansion> expand(const ComponentIndex& of, FaceId face) const;
 
  private:
   [[nodiscard]] Expected<std::uint32_t> component_of(FaceId face) const;

@@ -30,5 +30,8 @@ struct ExpandPartOptions {
 /// number of them.
 [[nodiscard]] Expected<Expansion> expand_part(const PartModel& model, std::span<const FaceId> part,
                                               const ExpandPartOptions& options = {}, const Task& task = {});
+/// The same for a part of another surface, `of`: matches lie on `model`. `options.largest_scale` is between the two.
+[[nodiscard]] Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std::span<const FaceId> part,
+                                              const ExpandPartOptions& options = {}, const Task& task = {});
 
 }  // namespace armature::sdk
