@@ -100,6 +100,13 @@ class Viewer(unittest.TestCase):
     def test_selections(self):
         self.script("select.txt")
 
+    def test_edits_of_what_is_alike(self):
+        self.script("edit.txt")
+        self.assertNotEqual((self.folder / "smooth.off").read_bytes(), (self.folder / "animal.off").read_bytes())
+
+    def test_hierarchies_side_by_side(self):
+        self.script("alike.txt")
+
     def test_poses_and_sessions_that_are_played_again(self):
         self.script("pose.txt")
         first = self.facts((self.folder / "session.txt").read_text().splitlines())

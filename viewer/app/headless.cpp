@@ -57,7 +57,7 @@ sdk::Expected<void> run_headless(Session& session, Script script, const RunOptio
       if (!made) return tl::unexpected(made.error());
       studio.emplace(std::move(*made));
     }
-    return photograph(studio->app(), request.file, request.size.value_or(options.size));
+    return photograph(studio->app(), session, request, request.size.value_or(options.size));
   };
   session.aspect = static_cast<double>(options.size.width) / options.size.height;
   for (;;) {

@@ -7,7 +7,7 @@
 
 #include <armature/navproto/nav_camera.h>
 
-#include "viewer/app/ui.h"
+#include "viewer/app/gestures.h"
 
 namespace armature::viewer {
 namespace {
@@ -19,17 +19,6 @@ constexpr double kWalk_m_s = 2.0, kTurn_rad_s = 1.1;
 
 enum class Drag { None, Orbit, Pan, Tool, Walk };
 
-ViewPoint view_point(const Ui& ui, const ImVec2& pixel) {
-  const Area& view = ui.view;
-  const float half = view.size.y / 2;
-  return {(pixel.x - view.at.x - view.size.x / 2) / half, (view.at.y + half - pixel.y) / half};
-}
-
-void issue_camera(Ui& ui, const OrbitCamera& c) {
-  ui.issue("camera {:.6g} {:.6g} {:.9g} {:.9g} {:.9g} {:.9g}", c.view.azimuth_rad * 180 / std::numbers::pi,
-           c.view.elevation_rad * 180 / std::numbers::pi, c.distance, c.target.x(), c.target.y(), c.target.z());
-}
-
 void move_camera(Ui& ui, Drag drag, const ImVec2& by) {
   OrbitCamera camera = ui.session.camera;
   const float share = 1 / ui.view.size.y;
@@ -39,50 +28,6 @@ void move_camera(Ui& ui, Drag drag, const ImVec2& by) {
     camera.pan({2.0 * static_cast<double>(by.x * share), -2.0 * static_cast<double>(by.y * share)});
   }
   issue_camera(ui, camera);
-}
-
-/// The points of a stroke on the surface, as words; those beside the model are left out.
-std::string stroke_on_surface(Ui& ui, std::size_t& count) {
-  std::string words;
-  count = 0;
-  const std::size_t step = std::max<std::size_t>(1, ui.stroke.size() / 64);
-  for (std::size_t i = 0; i < ui.stroke.size(); i += step) {
-    const auto found = ui.session.pick(view_point(ui, ui.stroke[i]));
-    if (!found || !found->face.valid()) continue;
-    words += fmt::format(" {:.9g} {:.9g} {:.9g}", found->point.x(), found->point.y(), found->point.z());
-    ++count;
-  }
-  return words;
-}
-
-void end_tool_drag(Ui& ui) {
-  Session& session = ui.session;
-  const ImGuiIO& io = ImGui::GetIO();
-  if (session.tool == Tool::Click) {
-    const auto found = session.pick(view_point(ui, io.MousePos));
-    if (found && found->face.valid()) ui.issue("click {}", found->face.index());
-  } else if (session.tool == Tool::Lasso) {
-    if (ui.stroke.size() < 3) return;
-    std::string words;
-    const std::size_t step = std::max<std::size_t>(1, ui.stroke.size() / 128);
-    for (std::size_t i = 0; i < ui.stroke.size(); i += step) {
-      const ViewPoint at = view_point(ui, ui.stroke[i]);
-      words += fmt::format(" {:.5g} {:.5g}", at.x(), at.y());
-    }
-    issue_camera(ui, session.camera);  // what a loop holds depends on it
-    ui.issue("lasso{}", words);
-  } else if (session.tool != Tool::Pose) {
-    std::size_t count = 0;
-    const std::string words = stroke_on_surface(ui, count);
-    if (count == 0) {
-      session.tell("that stroke was beside the model; begin on it");
-    } else if (session.tool == Tool::Cut) {
-      ui.issue("cut {}{}", io.KeyShift ? "add" : "new", words);
-    } else if (session.tool == Tool::Brush) {
-      const double radius = session.brush * 2 * session.around().radius;
-      ui.issue("brush {} {:.6g}{}", io.KeyShift ? "add" : io.KeyCtrl ? "background" : "new", radius, words);
-    }
-  }
 }
 
 void handle_mouse(Ui& ui) {
@@ -104,17 +49,16 @@ void handle_mouse(Ui& ui) {
         drag = pressed == 0 ? Drag::Orbit : Drag::Pan;
       } else if (pressed == 0 && !session.models.empty()) {
         drag = Drag::Tool;
-        ui.stroke = {io.MousePos};
+        begin_gesture(ui);
       }
       break;
     }
   }
   const bool moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0;
   if ((drag == Drag::Orbit || drag == Drag::Pan) && moved) move_camera(ui, drag, io.MouseDelta);
-  if (drag == Drag::Tool && moved) ui.stroke.push_back(io.MousePos);
+  if (drag == Drag::Tool && moved) continue_gesture(ui);
   if (drag != Drag::None && !io.MouseDown[button]) {
-    if (drag == Drag::Tool) end_tool_drag(ui);
-    ui.stroke.clear();
+    if (drag == Drag::Tool) end_gesture(ui);
     drag = Drag::None;
   }
   if (over && io.MouseWheel != 0 && !walks && !session.models.empty()) {
@@ -174,8 +118,11 @@ void handle_keys(Ui& ui) {
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab), false)) ui.sidebar = !ui.sidebar;
   if (ui.session.mode == Mode::Walk) return;
   if (ImGui::IsKeyPressed('F', false) && !ui.session.models.empty()) ui.issue("fit");
-  for (int i = 0; i < 5; ++i)
+  for (int i = 0; i < 6; ++i)
     if (ImGui::IsKeyPressed('1' + i, false)) ui.issue("tool {}", kTools[static_cast<std::size_t>(i)]);
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false) && !ui.session.models.empty() &&
+      ui.session.models[ui.session.active_model]->selecting.expansion)
+    ui.issue("take");
 }
 
 }  // namespace

@@ -1,5 +1,12 @@
 #include "viewer/app/photograph.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_impl_opengl3.h>
 
@@ -7,7 +14,38 @@
 
 namespace armature::viewer {
 
-sdk::Expected<void> photograph(App& app, const std::string& file, const PictureSize& size) {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Draws the pictures of a turn as somebody sees them who turns the camera, and the one in which it stands still again.
+sdk::Expected<void> time_turn(App& app, Session& session, int pictures, const PictureSize& size, GLuint framebuffer) {
+  std::vector<double> times;
+  for (int i = 0; i <= pictures; ++i) {
+    if (i < pictures) session.camera.orbit(2 * std::numbers::pi / pictures, 0);
+    ImGui_ImplOpenGL3_NewFrame();
+    const auto start = Clock::now();
+    if (auto drawn = app.draw(size.width, size.height, framebuffer, false); !drawn) return drawn;
+    glFinish();
+    times.push_back(milliseconds_since(start));
+  }
+  const double still = times.back();
+  times.resize(static_cast<std::size_t>(pictures));
+  std::ranges::sort(times);
+  fmt::print("frame.turning_fastest_ms {:.1f}\nframe.turning_median_ms {:.1f}\nframe.turning_slowest_ms {:.1f}\n",
+             times.front(), times[times.size() / 2], times.back());
+  fmt::print("frame.standing_ms {:.1f}\n", still);
+  std::fflush(stdout);
+  return {};
+}
+
+}  // namespace
+
+sdk::Expected<void> photograph(App& app, Session& session, const PictureRequest& request, const PictureSize& size) {
   const auto [width, height] = size;
   GlTexture picture = make_texture(GL_RGBA8, width, height);
   auto framebuffer = make_framebuffer({picture.get()}, 0);
@@ -26,9 +64,10 @@ sdk::Expected<void> photograph(App& app, const std::string& file, const PictureS
     if (auto drawn = app.draw(width, height, framebuffer->get(), true); !drawn) return drawn;
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer->get());
+  if (request.turn > 0) return time_turn(app, session, request.turn, size, framebuffer->get());
   const auto image = read_picture(width, height);
   if (!image) return tl::unexpected(image.error());
-  return write_png(*image, file);
+  return write_png(*image, request.file);
 }
 
 }  // namespace armature::viewer

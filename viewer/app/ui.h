@@ -29,11 +29,12 @@ struct Ui {
   ImTextureID depth = nullptr;  ///< the depth picture, once there is one
   float depth_aspect = 1;
 
-  bool sidebar = true;              ///< Tab hides it; a small window has none
-  bool dialog = false;              ///< the file dialog is open
-  bool saving = false;              ///< to write instead of to open
-  bool log = false;                 ///< the list of commands is open
-  std::vector<ImVec2> stroke = {};  ///< what the mouse draws at the moment, in pixels
+  Likeness like_by = Likeness::Gls;  ///< what the next spot is compared by
+  bool sidebar = true;               ///< Tab hides it; a small window has none
+  bool dialog = false;               ///< the file dialog is open
+  bool saving = false;               ///< to write instead of to open
+  bool log = false;                  ///< the list of commands is open
+  std::vector<ImVec2> stroke = {};   ///< what the mouse draws at the moment, in pixels
 
   /// Carries a command out; what fails is shown as the session's notice.
   template <class... Args>
@@ -48,7 +49,9 @@ struct Ui {
 void draw_sidebar(Ui& ui);
 void draw_shape_panel(Ui& ui);
 void draw_select_panel(Ui& ui);
+void draw_sphere_panel(Ui& ui);
 void draw_pose_panel(Ui& ui);
+void draw_edit_panel(Ui& ui);
 void draw_walk_panel(Ui& ui);
 void draw_walk_overlay(Ui& ui);
 void draw_status_bar(Ui& ui, const Area& area);

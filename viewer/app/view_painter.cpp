@@ -1,7 +1,9 @@
 #include "viewer/app/view_painter.h"
 
+#include <algorithm>
 #include <chrono>
 
+#include "viewer/session/coarse_mesh.h"
 #include "viewer/session/maps.h"
 
 namespace armature::viewer {
@@ -9,6 +11,8 @@ namespace {
 
 /// A careful picture that takes longer is left for when nothing moves.
 constexpr double kFluentMs = 25;
+/// A mesh of more faces is drawn coarser while it moves, by a grid of so many cells along its longest side.
+constexpr std::size_t kMostFluentFaces = 200'000, kCoarseCells = 128;
 
 constexpr Palette kShapes = {.background_top = {250, 250, 249}, .background_bottom = {226, 229, 232}};
 constexpr Palette kCity = {.sphere = {126, 158, 104},
@@ -42,26 +46,56 @@ void ViewPainter::show(const Kept& kept) {
   shows_.push_back(kept.made);
 }
 
+void ViewPainter::gather_mesh(const Looks& looks, const std::shared_ptr<const Model>& held) {
+  const Model& model = *held;
+  const Key key{held, model.mesh_revision, static_cast<int>(looks.mesh), looks.wireframe};
+  const Colours wanted{model.colour_revision, looks.map};
+  const Layer layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid;
+  const bool is_new = mesh_.key != key || !mesh_.drawing;
+  if (is_new || colours_ != wanted) {
+    const auto colours = corner_colours(model, looks.map, kShapes.mesh);
+    if (is_new) {
+      MeshStyle style{.layer = layer, .wireframe = looks.wireframe, .colours = colours};
+      if (!model.posing) style.normals = model.editing.tried ? model.editing.tried->normals : model.mesh->normals;
+      Scene scene(model.around(), kShapes);
+      scene.add(model.shown_mesh(), style);
+      keep(mesh_, key, scene);
+      keep_coarse(model, layer, colours);
+    } else {
+      mesh_.drawing->recolour(layer, colours);
+      if (coarse_) coarse_->recolour(layer, coarse_colours(colours));
+      mesh_.made = ++made_;
+    }
+    colours_ = wanted;
+  }
+  show(mesh_);
+}
+
+/// Large meshes have a second drawing, of fewer faces.
+void ViewPainter::keep_coarse(const Model& model, Layer layer, std::span<const CornerColours> colours) {
+  coarse_.reset();
+  if (model.posing || model.shown_mesh().triangles.size() <= kMostFluentFaces) return;
+  CoarseMesh coarse = coarse_mesh(model.shown_mesh(), kCoarseCells);
+  coarse_source_ = std::move(coarse.source);
+  const auto its_colours = coarse_colours(colours);
+  Scene scene(model.around(), kShapes);
+  scene.add(coarse.mesh, {.layer = layer, .colours = its_colours});
+  coarse_.emplace(scene);
+}
+
+std::vector<ViewPainter::CornerColours> ViewPainter::coarse_colours(std::span<const CornerColours> colours) const {
+  std::vector<CornerColours> result;
+  result.reserve(coarse_source_.size());
+  for (const sdk::FaceId face : coarse_source_) result.push_back(colours[face.index()]);
+  return result;
+}
+
 void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held) {
   const Model& model = *held;
   const sdk::Sphere frame = model.around();
-  if (model.mesh && looks.mesh != MeshLook::Off) {
-    const Key key{held, model.mesh_revision, static_cast<int>(looks.mesh), static_cast<int>(looks.map),
-                  looks.wireframe};
-    if (mesh_.key != key || !mesh_.drawing) {
-      Scene scene(frame, kShapes);
-      const auto colours = corner_colours(model, looks.map, kShapes.mesh);
-      MeshStyle style{.layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
-                      .wireframe = looks.wireframe,
-                      .colours = colours};
-      if (!model.posing) style.normals = model.mesh->normals;
-      scene.add(model.posing ? model.posed : model.mesh->mesh, style);
-      keep(mesh_, key, scene);
-    }
-    show(mesh_);
-  }
+  if (model.mesh && looks.mesh != MeshLook::Off) gather_mesh(looks, held);
   if (model.spheres && looks.spheres != SpheresLook::Off) {
-    const Key key{held, model.spheres_revision, static_cast<int>(looks.spheres), 0, false};
+    const Key key{held, model.spheres_revision, static_cast<int>(looks.spheres), false};
     if (spheres_.key != key || !spheres_.drawing) {
       Scene scene(frame, kShapes);
       scene.add(model.spheres->shape,
@@ -119,6 +153,8 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   if (!moved && !rough_) return {};
   // Once nothing moves there is time for care.
   const bool roughly = moved && !careful && careful_ms_ > kFluentMs;
+  if (roughly && coarse_ && mesh_.drawing)
+    std::ranges::replace(drawings_, static_cast<const Drawing*>(&*mesh_.drawing), &*coarse_);
   const auto start = std::chrono::steady_clock::now();
   const PaintOptions options{.samples_a_side = roughly   ? 1
                                                : careful ? 0

@@ -36,9 +36,15 @@ class ViewPainter {
   struct Key {
     std::shared_ptr<const void> model = nullptr;  // held, so that no other takes its place
     std::uint64_t revision = 0;
-    int look = 0, map = 0;
+    int look = 0;
     bool wireframe = false;
     friend bool operator==(const Key&, const Key&) = default;
+  };
+  /// The same of the mesh's colours.
+  struct Colours {
+    std::uint64_t revision = 0;
+    MapKind map = MapKind::None;
+    friend bool operator==(const Colours&, const Colours&) = default;
   };
   struct Kept {
     Key key = {};
@@ -49,11 +55,18 @@ class ViewPainter {
   explicit ViewPainter(Painter painter) : painter_(std::move(painter)) {}
   void keep(Kept& kept, Key key, const Scene& scene);
   void show(const Kept& kept);
+  using CornerColours = std::array<sdk::Colour, 3>;
+  void gather_mesh(const Looks& looks, const std::shared_ptr<const Model>& held);
+  void keep_coarse(const Model& model, Layer layer, std::span<const CornerColours> colours);
+  [[nodiscard]] std::vector<CornerColours> coarse_colours(std::span<const CornerColours> colours) const;
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held);
   void gather_city(const Walk& walk);
 
   Painter painter_;
   Kept mesh_, spheres_, city_, ribbon_, nothing_;
+  Colours colours_;                         // of mesh_
+  std::optional<Drawing> coarse_;           // of a large mesh_, to draw while something moves
+  std::vector<sdk::FaceId> coarse_source_;  // by face of that: which face of the mesh it was
   double made_ = 0;
   std::vector<const Drawing*> drawings_;
   // What the picture is to show and shows: which drawings, from where.

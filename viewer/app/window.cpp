@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <epoxy/gl.h>
 // After epoxy: it has OpenGL's names.
@@ -102,9 +103,8 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
     glfwSwapBuffers(w.window);
     if (session.picture) {
-      const PictureSize size = session.picture->size.value_or(PictureSize{width, height});
-      const auto taken = photograph(*w.app, session.picture->file, size);
-      session.picture.reset();
+      const PictureRequest request = *std::exchange(session.picture, std::nullopt);
+      const auto taken = photograph(*w.app, session, request, request.size.value_or(PictureSize{width, height}));
       if (!taken) session.tell(taken.error().message, true);
     }
     if (!script.done(session)) session.failed = session.failed && !session.forgiving;

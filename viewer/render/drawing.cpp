@@ -1,5 +1,7 @@
 #include "viewer/render/drawing.h"
 
+#include <cassert>
+
 namespace armature::viewer {
 
 Records::Records(const Bytes& bytes, std::initializer_list<RecordMember> members, bool instanced)
@@ -29,6 +31,29 @@ Records::Records(const Bytes& bytes, std::initializer_list<RecordMember> members
   }
 }
 
+void Records::add_colours(std::span<const sdk::Colour> colours, GLuint index) {
+  if (count_ == 0) return;
+  glBindVertexArray(array_.get());
+  GLuint name = 0;
+  glGenBuffers(1, &name);
+  colours_ = GlBuffer(name);
+  glBindBuffer(GL_ARRAY_BUFFER, name);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(colours.size_bytes()), colours.data(), GL_DYNAMIC_DRAW);
+  glVertexAttribPointer(index, 3, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(sdk::Colour), nullptr);
+  glEnableVertexAttribArray(index);
+}
+
+void Records::replace_colours(const void* colours, std::size_t bytes) {
+  assert(bytes == static_cast<std::size_t>(count_) * sizeof(sdk::Colour));
+  if (count_ == 0) return;
+  glBindBuffer(GL_ARRAY_BUFFER, colours_.get());
+  glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(bytes), colours);
+}
+
+void Drawing::recolour(Layer layer, std::span<const std::array<sdk::Colour, 3>> colours) {
+  layers_[static_cast<std::size_t>(layer)].corners.replace_colours(colours.data(), colours.size_bytes());
+}
+
 Drawing::Drawing(const Scene& scene) : frame_(scene.frame()), palette_(scene.palette()) {
   for (const Layer layer : {Layer::Solid, Layer::Glass}) {
     const Scene::Content& from = scene.content(layer);
@@ -36,9 +61,9 @@ Drawing::Drawing(const Scene& scene) : frame_(scene.frame()), palette_(scene.pal
     to.corners = Records(from.corners,
                          {{3, GL_FLOAT, offsetof(Scene::Corner, position)},
                           {3, GL_FLOAT, offsetof(Scene::Corner, normal)},
-                          {3, GL_UNSIGNED_BYTE, offsetof(Scene::Corner, colour)},
-                          {1, GL_UNSIGNED_BYTE, offsetof(Scene::Corner, flags), true}},
+                          {1, GL_UNSIGNED_INT, offsetof(Scene::Corner, flags), true}},
                          false);
+    to.corners.add_colours(from.colours, 3);
     to.balls = Records(
         from.balls,
         {{4, GL_FLOAT, offsetof(Scene::Ball, sphere)}, {3, GL_UNSIGNED_BYTE, offsetof(Scene::Ball, colour)}}, true);

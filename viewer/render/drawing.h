@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <vector>
 
 #include "viewer/render/gl_objects.h"
@@ -26,6 +27,10 @@ class Records {
   Records(const std::vector<Record>& records, std::initializer_list<RecordMember> members, bool instanced)
       : Records({records.data(), records.size(), sizeof(Record)}, members, instanced) {}
 
+  /// Another member of every record, in a buffer of its own; `replace_colours()` replaces it.
+  void add_colours(std::span<const sdk::Colour> colours, GLuint index);
+  void replace_colours(const void* colours, std::size_t bytes);
+
   [[nodiscard]] GLsizei count() const noexcept { return count_; }
   void bind() const { glBindVertexArray(array_.get()); }
 
@@ -37,7 +42,7 @@ class Records {
   Records(const Bytes& bytes, std::initializer_list<RecordMember> members, bool instanced);
 
   GlVertexArray array_;
-  GlBuffer buffer_;
+  GlBuffer buffer_, colours_;
   GLsizei count_ = 0;
 };
 
@@ -53,6 +58,8 @@ class Drawing {
       return corners.count() == 0 && balls.count() == 0 && cones.count() == 0;
     }
   };
+  /// Other colours for the corners of a layer that holds one mesh alone, by FaceId; nothing else is sent to the card.
+  void recolour(Layer layer, std::span<const std::array<sdk::Colour, 3>> colours);
   [[nodiscard]] const Content& content(Layer layer) const noexcept { return layers_[static_cast<std::size_t>(layer)]; }
   [[nodiscard]] const sdk::Sphere& frame() const noexcept { return frame_; }
   [[nodiscard]] const Palette& palette() const noexcept { return palette_; }

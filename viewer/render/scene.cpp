@@ -51,8 +51,9 @@ void Scene::add(const sdk::Mesh& mesh, const MeshStyle& style) {
   std::vector<std::array<Vector3d, 3>> found;
   if (style.normals.empty()) found = corner_normals(mesh, style.crease_rad);
   const auto normals = style.normals.empty() ? std::span<const std::array<Vector3d, 3>>(found) : style.normals;
-  const std::uint8_t flags = style.wireframe ? kLines : 0;
+  const std::uint32_t flags = style.wireframe ? kLines : 0;
   content.corners.reserve(content.corners.size() + 3 * mesh.triangles.size());
+  content.colours.reserve(content.colours.size() + 3 * mesh.triangles.size());
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t vertex = mesh.triangles[f][k].index();
@@ -64,7 +65,8 @@ void Scene::add(const sdk::Mesh& mesh, const MeshStyle& style) {
       } else if (!mesh.vertex_colours.empty()) {
         colour = mesh.vertex_colours[vertex];
       }
-      content.corners.push_back({local(mesh.positions[vertex]), floats(normals[f][k]), colour, flags});
+      content.corners.push_back({local(mesh.positions[vertex]), floats(normals[f][k]), flags});
+      content.colours.push_back(colour);
     }
   }
 }
@@ -122,12 +124,13 @@ void Scene::add_cone(const sdk::SphereEdge& edge, const sdk::Colour& colour, Con
   if (has_cone(edge)) content.cones.push_back({local(edge.a), local(edge.b), colour});
 }
 
-void Scene::add_triangle(const std::array<Vector3d, 3>& corners, const Vector3d& normal, std::uint8_t flags,
+void Scene::add_triangle(const std::array<Vector3d, 3>& corners, const Vector3d& normal, std::uint32_t flags,
                          Content& content) const {
   // Counter-clockwise around its normal, as the front of a face is told from its back.
   const bool flip = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) < 0;
   for (const std::size_t k : {std::size_t{0}, std::size_t{flip ? 2U : 1U}, std::size_t{flip ? 1U : 2U}})
-    content.corners.push_back({local(corners[k]), floats(normal), palette_.triangle, flags});
+    content.corners.push_back({local(corners[k]), floats(normal), flags});
+  content.colours.insert(content.colours.end(), 3, palette_.triangle);
 }
 
 }  // namespace armature::viewer

@@ -50,12 +50,11 @@ class Scene {
   struct Corner {
     std::array<float, 3> position;
     std::array<float, 3> normal;  // outward, unit length
-    sdk::Colour colour;
-    std::uint8_t flags;  // kLines, kTwoSided, kOneSided
+    std::uint32_t flags;          // kLines, kTwoSided, kOneSided
   };
-  static constexpr std::uint8_t kLines = 1;     ///< the triangle's edges are drawn
-  static constexpr std::uint8_t kTwoSided = 2;  ///< the triangle has no inside
-  static constexpr std::uint8_t kOneSided = 4;  ///< the triangle cannot be seen from behind
+  static constexpr std::uint32_t kLines = 1;     ///< the triangle's edges are drawn
+  static constexpr std::uint32_t kTwoSided = 2;  ///< the triangle has no inside
+  static constexpr std::uint32_t kOneSided = 4;  ///< the triangle cannot be seen from behind
 
   struct Ball {
     std::array<float, 4> sphere;  // centre, radius
@@ -69,6 +68,7 @@ class Scene {
   };
   struct Content {
     std::vector<Corner> corners;
+    std::vector<sdk::Colour> colours;  // of the corners, apart: they change more often
     std::vector<Ball> balls;
     std::vector<Cone> cones;
   };
@@ -91,7 +91,7 @@ class Scene {
   void add_ball(const sdk::Sphere& sphere, const sdk::Colour& colour, Content& content) const;
   void add_cone(const sdk::SphereEdge& edge, const sdk::Colour& colour, Content& content) const;
   void add_facets(const sdk::SphereTriangle& triangle, Content& content) const;
-  void add_triangle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& normal, std::uint8_t flags,
+  void add_triangle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& normal, std::uint32_t flags,
                     Content& content) const;
   [[nodiscard]] std::array<float, 3> local(const Eigen::Vector3d& point) const;
   [[nodiscard]] std::array<float, 4> local(const sdk::Sphere& sphere) const;

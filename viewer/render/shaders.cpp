@@ -5,8 +5,8 @@ namespace armature::viewer::shaders {
 const Source kTriangles = {"triangles", R"glsl(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 colour;
-layout(location = 3) in uint flags;
+layout(location = 2) in uint flags;
+layout(location = 3) in vec3 colour;
 uniform mat4 view_from_local;
 uniform mat4 clip_from_view;
 out vec3 view_normal;

@@ -7,9 +7,9 @@
 namespace armature::viewer {
 namespace {
 
-std::array<std::span<const Command>, 7> all_commands() {
+std::array<std::span<const Command>, 8> all_commands() {
   return {file_commands(), view_commands(), sphere_commands(), select_commands(),
-          pose_commands(), walk_commands(), script_commands()};
+          pose_commands(), edit_commands(), walk_commands(),   script_commands()};
 }
 
 }  // namespace

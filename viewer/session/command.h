@@ -29,6 +29,7 @@ struct Command {
 [[nodiscard]] std::span<const Command> sphere_commands();
 [[nodiscard]] std::span<const Command> select_commands();
 [[nodiscard]] std::span<const Command> pose_commands();
+[[nodiscard]] std::span<const Command> edit_commands();
 [[nodiscard]] std::span<const Command> walk_commands();
 [[nodiscard]] std::span<const Command> script_commands();
 ///@}

@@ -56,6 +56,7 @@ sdk::Colour component_colour(std::size_t component) {
 }
 
 constexpr sdk::Colour kSelected = {214, 88, 62};
+constexpr sdk::Colour kDrawn = {240, 158, 62};
 constexpr sdk::Colour kLike = {40, 112, 196};
 
 }  // namespace
@@ -83,7 +84,7 @@ sdk::Expected<std::vector<float>> compute_map(const MeshShape& shape, MapKind ki
 }
 
 std::vector<std::array<sdk::Colour, 3>> corner_colours(const Model& model, MapKind map, const sdk::Colour& plain) {
-  const sdk::Mesh& mesh = model.mesh->mesh;
+  const sdk::Mesh& mesh = model.shown_mesh();
   std::vector<std::array<sdk::Colour, 3>> colours(mesh.triangles.size(), {plain, plain, plain});
   if (map == MapKind::Components) {
     const auto components = sdk::find_components(mesh, model.mesh->surface.adjacency, sdk::LinkedBy::Edges);
@@ -102,7 +103,7 @@ std::vector<std::array<sdk::Colour, 3>> corner_colours(const Model& model, MapKi
     for (sdk::Colour& corner : colours[face.index()]) corner = mixed(corner, colour, strength);
   };
   const Selecting& selecting = model.selecting;
-  if (selecting.expansion && selecting.shown > 0) {
+  if (selecting.expansion && selecting.shown > 0 && map == MapKind::None) {
     // The less alike, the paler: the scores of what is shown spread from faint to full.
     const auto shown = selecting.expansion->first(selecting.shown);
     for (const sdk::Match& match : shown) {
@@ -110,7 +111,10 @@ std::vector<std::array<sdk::Colour, 3>> corner_colours(const Model& model, MapKi
       for (const sdk::FaceId face : match.faces) paint(face, kLike, strength);
     }
   }
-  for (const sdk::FaceId face : selecting.selection.faces()) paint(face, kSelected, 0.9);
+  // Over a map it is but a tint: both are to be seen.
+  const double strength = map == MapKind::None ? 0.9 : 0.35;
+  for (const sdk::FaceId face : selecting.selection.faces()) paint(face, kSelected, strength);
+  for (const sdk::FaceId face : selecting.drawn) paint(face, kDrawn, 0.8);
   return colours;
 }
 

@@ -44,9 +44,6 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-/// What a hierarchy shows first: few enough spheres to see what it does.
-constexpr std::size_t kFirstLevel = 60;
-
 }  // namespace
 
 MeshShape::MeshShape(sdk::Mesh of)
@@ -54,6 +51,12 @@ MeshShape::MeshShape(sdk::Mesh of)
       surface(mesh),
       around(sphere_around(mesh)),
       normals(corner_normals(mesh, MeshStyle().crease_rad)) {}
+
+sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfacePoint& from, const sdk::SurfacePoint& to,
+                                double snap) {
+  const double way = (to.point - from.point).norm();
+  return {.from = from, .to = to, .reach = std::max(3 * way, 0.03 * surface.diagonal), .snap = snap * surface.diagonal};
+}
 
 void SphereShape::show(sdk::SphereMesh other) {
   shape = std::move(other);
@@ -92,6 +95,10 @@ void Model::take_pose() {
   if (posed.triangles.size() != mesh->mesh.triangles.size()) posed = mesh->mesh;
   posed.positions.assign(positions.begin(), positions.end());
   ++mesh_revision;
+}
+
+const sdk::Mesh& Model::shown_mesh() const {
+  return posing ? posed : editing.tried ? editing.tried->mesh : mesh->mesh;
 }
 
 sdk::Sphere Model::around() const {
@@ -143,6 +150,7 @@ sdk::Expected<void> write_model(const Model& model, const std::filesystem::path&
   if (extension != ".obj" && extension != ".off" && extension != ".ply")
     return sdk::fail(path.string() + ": expected a name that ends in .obj, .off, .ply, .ma, .urdf or .smh");
   if (!model.mesh) return lacks("mesh");
+  if (model.editing.tried) return sdk::fail("keep the edit that is shown, or drop it, before the mesh is written");
   return sdk::write_mesh(model.mesh->mesh, path);
 }
 

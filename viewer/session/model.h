@@ -15,11 +15,14 @@
 #include <armature/sdk/expansion/expansion.h>
 #include <armature/sdk/hierarchy/hierarchy.h>
 #include <armature/sdk/hierarchy/level_cursor.h>
+#include <armature/sdk/selection/boundary.h>
 #include <armature/sdk/selection/part_cut.h>
 #include <armature/sdk/selection/patch_brush.h>
 #include <armature/sdk/selection/selection.h>
 #include <armature/sdk/selection/surface.h>
 #include <armature/sdk/spheremesh/sphere_mesh.h>
+
+#include "viewer/session/editing.h"
 
 namespace armature::viewer {
 
@@ -52,13 +55,21 @@ struct Selecting {
   std::vector<sdk::FaceId> reference;               ///< its faces, ascending
   std::optional<sdk::Expansion> expansion;          ///< what is like it, once it was looked for
   std::size_t shown = 0;                            ///< the best matches that are shown
+  std::vector<sdk::FaceId> drawn;                   ///< what the gesture that goes on would select; no command knows it
   std::shared_ptr<const sdk::PartModel> parts;      ///< made with the first cut
   std::shared_ptr<sdk::PartCut> cut;                ///< whose strokes go on
   sdk::PatchStrokes strokes;                        ///< of the patch that is brushed
   std::shared_ptr<sdk::ComponentIndex> components;  ///< made with the first click
 };
 
+/// A drag of a boundary as tools make it: half as far again as the way that it goes moves along, and a little more.
+[[nodiscard]] sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfacePoint& from,
+                                              const sdk::SurfacePoint& to, double snap);
+
 class Posing;
+
+/// What a hierarchy shows first: few enough spheres to see what it does.
+inline constexpr std::size_t kFirstLevel = 60;
 
 /// Something that is open: a mesh, a sphere-mesh, or both of the same shape.
 struct Model {
@@ -67,12 +78,13 @@ struct Model {
   std::shared_ptr<const MeshShape> mesh;
   std::optional<SphereShape> spheres;
   Selecting selecting;
-  std::shared_ptr<Posing> posing;     ///< while the mesh is being deformed; jobs may change it
-  sdk::Mesh posed;                    ///< how the mesh lies then
+  std::shared_ptr<Posing> posing;  ///< while the mesh is being deformed; jobs may change it
+  sdk::Mesh posed;                 ///< how the mesh lies then
+  Editing editing;
   std::vector<sdk::SphereId> handle;  ///< what is held of its level
   std::vector<float> values;          ///< of a map, by vertex, in [0, 1]; or empty
-  /// Changes with what is drawn of each.
-  std::uint64_t mesh_revision = 1, spheres_revision = 1;
+  /// Changes with what is drawn of each: the mesh's shape, its colours, the spheres.
+  std::uint64_t mesh_revision = 1, colour_revision = 1, spheres_revision = 1;
 
   /// Goes to a level of the hierarchy, which must have it.
   void go_to(std::size_t spheres);
@@ -83,6 +95,8 @@ struct Model {
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
   /// Shows spheres and mesh as they are posed.
   void take_pose();
+  /// The mesh as it is shown: posed, with the edit that is tried, or as it is. There must be one.
+  [[nodiscard]] const sdk::Mesh& shown_mesh() const;
   /// A sphere that holds all of it.
   [[nodiscard]] sdk::Sphere around() const;
   /// For picking; there must be spheres.

@@ -1,4 +1,5 @@
 // What a session is like, as facts by name.
+#include <algorithm>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -38,6 +39,16 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
       facts[fmt::format("lowest.{}", name)] = fmt::format("{:.5f}", box.min()[place]);
       facts[fmt::format("highest.{}", name)] = fmt::format("{:.5f}", box.max()[place]);
     }
+  }
+  const Editing& editing = model.editing;
+  facts["edits"] = std::to_string(editing.before.size());
+  facts["alike"] =
+      std::to_string(std::ranges::count_if(editing.similarity, [](float similarity) { return similarity > 0.5F; }));
+  if (editing.tried) {
+    std::size_t moved = 0;
+    for (std::size_t v = 0; v < editing.tried->mesh.positions.size(); ++v)
+      moved += editing.tried->mesh.positions[v] != model.mesh->mesh.positions[v] ? 1U : 0U;
+    facts["moved"] = std::to_string(moved);
   }
   const Selecting& selecting = model.selecting;
   facts["selected"] = std::to_string(selecting.selection.faces().size());
@@ -84,6 +95,7 @@ void report_walk(const Walk& walk, std::map<std::string, std::string>& facts) {
 std::map<std::string, std::string> Session::report() const {
   std::map<std::string, std::string> facts;
   facts["mode"] = kModes[static_cast<std::size_t>(mode)];
+  facts["panel"] = kPanels[static_cast<std::size_t>(panel)];
   facts["tool"] = kTools[static_cast<std::size_t>(tool)];
   facts["models"] = std::to_string(models.size());
   facts["notice"] = notice;

@@ -19,7 +19,8 @@ constexpr auto kLevelRests = std::chrono::milliseconds(150);
 
 /// Lines of which only the last one in a row matters: a slider, a camera that is being moved.
 bool replaces_itself(std::string_view name) {
-  return name == "camera" || name == "level" || name == "matches" || name == "brush-size" || name == "place";
+  return name == "camera" || name == "level" || name == "matches" || name == "brush-size" || name == "place" ||
+         name == "edit" || name == "transfer";
 }
 
 /// Waiting and expecting are no actions: the log leaves them out.
@@ -83,6 +84,9 @@ void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
   if (*done) {
+    const std::string_view name = first_word(pending_line_);
+    if (pending_at_ > 0 && replaces_itself(name) && first_word(log_[pending_at_ - 1]) == name)
+      log_.erase(log_.begin() + static_cast<std::ptrdiff_t>(--pending_at_));
     log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
     tell(job.title() + " was cancelled; everything is as it was");

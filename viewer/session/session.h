@@ -21,7 +21,8 @@
 namespace armature::viewer {
 
 enum class Mode : std::uint8_t { Shapes, Walk };
-enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso, Pose };
+enum class Panel : std::uint8_t { Look, Spheres, Select, Edit };
+enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso, Edge, Pose, Spot };
 enum class MeshLook : std::uint8_t { Solid, Glass, Off };
 enum class SpheresLook : std::uint8_t { Surface, Structure, Off };
 enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Components };
@@ -29,7 +30,8 @@ enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Com
 ///@{
 /// How scripts spell them, in the order of the enumerations.
 inline const std::vector<std::string_view> kModes = {"shapes", "walk"};
-inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "pose"};
+inline const std::vector<std::string_view> kPanels = {"look", "spheres", "select", "edit"};
+inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "edge", "pose", "spot"};
 inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
 inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
 inline const std::vector<std::string_view> kMaps = {"none", "curvature", "protrusion", "similarity", "components"};
@@ -55,6 +57,7 @@ struct Picked {
 struct PictureRequest {
   std::string file;
   std::optional<PictureSize> size = {};  ///< or that of the window
+  int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
 };
 
 /// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
@@ -99,6 +102,7 @@ class Session {
   std::size_t active_model = 0;
   std::size_t beside = 0;  ///< the number of a model that is shown beside it, from 1; 0: none
   Mode mode = Mode::Shapes;
+  Panel panel = Panel::Look;
   Tool tool = Tool::Look;
   Looks looks;
   OrbitCamera camera;

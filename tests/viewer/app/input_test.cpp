@@ -116,7 +116,7 @@ TEST_F(Hands, SelectWithAToolAndNeverMoveTheCameraByAccident) {
 }
 
 TEST_F(Hands, MoveTheCameraWithAltWhateverTheTool) {
-  for (const char* tool : {"click", "cut", "brush", "lasso", "pose"}) {
+  for (const char* tool : {"click", "cut", "brush", "lasso", "edge", "pose", "spot"}) {
     ASSERT_TRUE(session.execute(std::string("tool ") + tool));
     Eigen::Matrix4d before = camera();
     ImGui::GetIO().KeyAlt = true;
@@ -149,6 +149,53 @@ TEST_F(Hands, ThatPressAltInTheMiddleOfAStrokeEndTheStroke) {
   ImGui::GetIO().KeyAlt = false;
   EXPECT_TRUE(camera().isApprox(before));
   EXPECT_GT(selected(), 0U);
+}
+
+TEST_F(Hands, SeeWhatABrushWillSelectBeforeTheyLetGo) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Selecting& selecting = session.models.front()->selecting;
+  frame({300, 200});
+  ImGui::GetIO().MouseDown[0] = true;
+  frame({300, 200});
+  const std::size_t first = selecting.drawn.size();
+  EXPECT_GT(first, 0U);
+  for (float x = 300; x <= 340; x += 5) frame({x, 200});
+  const auto drawn = selecting.drawn;
+  EXPECT_GT(drawn.size(), first);
+  EXPECT_EQ(selected(), 0U) << "nothing is selected yet";
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({340, 200});
+  EXPECT_TRUE(selecting.drawn.empty());
+  EXPECT_EQ(selecting.selection.faces(), drawn);
+}
+
+TEST_F(Hands, DragTheBoundaryOfWhatIsSelected) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  drag({220, 200}, {20, 0});
+  const auto before = session.models.front()->selecting.selection.faces();
+  ASSERT_FALSE(before.empty());
+  ASSERT_TRUE(session.execute("tool edge"));
+  // Where the selection ends on the right, and some way on.
+  float x = 240;
+  const auto is_selected = [&](float at) {
+    const auto found = session.pick({(at - 300) / 200, 0});
+    return found && session.models.front()->selecting.selection.contains(found->face);
+  };
+  while (x < 400 && is_selected(x)) x += 2;
+  drag({x - 3, 200}, {70, 0});
+  const auto& after = session.models.front()->selecting.selection;
+  EXPECT_GT(after.faces().size(), before.size());
+  EXPECT_TRUE(is_selected(x + 25));
+  EXPECT_TRUE(session.models.front()->selecting.drawn.empty());
+  ASSERT_TRUE(session.execute("undo"));
+  EXPECT_TRUE(after.faces().empty()) << "the gesture that it refined";
+}
+
+TEST_F(Hands, AskWhatIsLikeASpot) {
+  ASSERT_TRUE(session.execute("tool spot"));
+  drag({300, 200}, {0, 0});
+  EXPECT_EQ(session.models.front()->editing.similarity.size(), session.models.front()->mesh->mesh.positions.size());
+  EXPECT_EQ(session.looks.map, MapKind::Similarity);
 }
 
 TEST_F(Hands, ChangeTheBrushByTheWheel) {

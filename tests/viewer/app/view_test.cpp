@@ -156,6 +156,20 @@ TEST_F(TheView, ShowsSphereMeshesAndMeshesInTheOrderOfTheirDepths) {
   EXPECT_LT(wrong, (of_wall + of_spheres) / 200) << "of " << of_wall + of_spheres << " pixels";
 }
 
+TEST_F(TheView, ShowsOtherColoursAsIfTheMeshWereNew) {
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(wall());
+  session.add(model);
+  ASSERT_TRUE(session.execute("camera 60 10"));
+  const Image plain = painted();
+  model->selecting.selection.combine({sdk::FaceId(1)}, sdk::Combine::Replace);
+  ++model->colour_revision;
+  const Image selected = painted();
+  EXPECT_NE(selected.rgb, plain.rgb);
+  stage()->painter.emplace(std::move(*ViewPainter::create()));
+  EXPECT_EQ(painted().rgb, selected.rgb);
+}
+
 TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
   session.add(model_of(tangle(5)));
   const Image first = painted();

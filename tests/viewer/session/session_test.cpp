@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "viewer/session/arguments.h"
+#include "viewer/session/coarse_mesh.h"
 #include "viewer/session/command.h"
 #include "viewer/session/job.h"
 #include "viewer/session/orbit_camera.h"
@@ -43,7 +44,8 @@ TEST(Lines, AreRefusedWithWhatWasExpected) {
     return done ? std::string("carried out") : done.error().message;
   };
   EXPECT_EQ(refused("fly"), "fly is no command; `help` lists them");
-  EXPECT_EQ(refused("tool hammer"), "tool: tool: expected one of look, click, cut, brush, lasso, pose, found hammer");
+  EXPECT_EQ(refused("tool hammer"),
+            "tool: tool: expected one of look, click, cut, brush, lasso, edge, pose, spot, found hammer");
   EXPECT_EQ(refused("camera 0 far"), "camera: elevation in degrees: expected a number from -89 to 89, found far");
   EXPECT_EQ(refused("camera 0 nan"), "camera: elevation in degrees: expected a number from -89 to 89, found nan");
   EXPECT_EQ(refused("fit now"), "fit: expected nothing more, found now");
@@ -130,7 +132,7 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
 
 TEST(Commands, HaveOneMeaningEach) {
   for (const auto group : {file_commands(), view_commands(), sphere_commands(), select_commands(), pose_commands(),
-                           walk_commands(), script_commands()})
+                           edit_commands(), walk_commands(), script_commands()})
     for (const Command& command : group) EXPECT_EQ(find_command(command.name), &command) << command.name;
 }
 
@@ -205,6 +207,35 @@ TEST(OrbitCamera, FitsASphereIntoViewsOfAnyShape) {
       EXPECT_LE(std::abs(at.y()), 1);
     }
   }
+}
+
+TEST(CoarseMesh, KeepsAShapeAndKnowsWhereItsFacesComeFrom) {
+  // A sheet of 60 x 60 squares in a corner of which a face is doubled.
+  sdk::Mesh mesh;
+  constexpr std::size_t kSide = 61;
+  for (std::size_t i = 0; i < kSide * kSide; ++i)
+    mesh.positions.emplace_back(static_cast<double>(i % kSide) / 60, static_cast<double>(i / kSide) / 60, 0);
+  const auto vertex = [&](std::size_t x, std::size_t y) { return sdk::VertexId(y * kSide + x); };
+  for (std::size_t y = 0; y + 1 < kSide; ++y) {
+    for (std::size_t x = 0; x + 1 < kSide; ++x) {
+      mesh.triangles.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1)});
+      mesh.triangles.push_back({vertex(x, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+    }
+  }
+  const CoarseMesh coarse = coarse_mesh(mesh, 10);
+  ASSERT_EQ(coarse.source.size(), coarse.mesh.triangles.size());
+  EXPECT_LT(coarse.mesh.triangles.size(), mesh.triangles.size() / 20);
+  double area = 0;
+  for (std::size_t f = 0; f < coarse.source.size(); ++f) {
+    const sdk::FaceId face(f);
+    const Eigen::Vector3d normal = (coarse.mesh.corner(face, 1) - coarse.mesh.corner(face, 0))
+                                       .cross(coarse.mesh.corner(face, 2) - coarse.mesh.corner(face, 0));
+    EXPECT_GE(normal.z(), 0) << "no face is turned over";
+    area += normal.z() / 2;
+    EXPECT_LT((coarse.mesh.corner(face, 0) - mesh.corner(coarse.source[f], 0)).norm(), 0.25);
+  }
+  EXPECT_NEAR(area, 1, 0.2) << "all but the rim";
+  EXPECT_TRUE(coarse_mesh(sdk::Mesh(), 10).mesh.triangles.empty());
 }
 
 TEST(PathTask, MeasuresHowFarOneWalksBesideIt) {

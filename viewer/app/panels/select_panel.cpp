@@ -10,9 +10,10 @@ namespace {
 
 void draw_tools(Ui& ui) {
   Session& session = ui.session;
-  const int tool = choice_row("tool", static_cast<int>(session.tool), {"Look", "Click", "Cut", "Brush", "Lasso"});
+  const int tool =
+      choice_row("tool", static_cast<int>(session.tool), {"Look", "Click", "Cut", "Brush", "Lasso", "Edge"});
   if (tool >= 0) ui.issue("tool {}", kTools[static_cast<std::size_t>(tool)]);
-  if (session.tool == Tool::Pose) return;
+  if (session.tool == Tool::Pose || session.tool == Tool::Edge || session.tool == Tool::Spot) return;
   if (session.tool == Tool::Look) {
     hint("The mouse moves the camera. Choose a tool to select; with Alt the mouse moves the camera then, too.");
     return;
@@ -67,6 +68,8 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
     return;
   }
   ImGui::SameLine();
+  if (ImGui::Button("None")) ui.issue("matches 0");
+  ImGui::SameLine();
   if (ImGui::Button("Undo a verdict")) ui.issue("reconsider");
   const std::size_t listed = std::min<std::size_t>(static_cast<std::size_t>(shown) + 2, selecting.expansion->size());
   // A verdict changes the list: the rest of it is drawn in the next frame.
@@ -75,12 +78,18 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
                                         selecting.expansion->first(listed).end());
   for (std::size_t i = 0; i < matches.size() && ui.session.log().size() == steps; ++i)
     draw_match(ui, i + 1, matches[i], i < selecting.shown);
+  const auto& rejected = selecting.expansion->rejected();
+  if (rejected.empty() || !ImGui::TreeNode("rejected", "Looked at and left out: %zu", rejected.size())) return;
+  for (std::size_t i = 0; i < std::min<std::size_t>(rejected.size(), 12); ++i) hint(rejected[i].reason.c_str());
+  ImGui::TreePop();
 }
 
 }  // namespace
 
 void draw_select_panel(Ui& ui) {
   Session& session = ui.session;
+  if (!session.models[session.active_model]->mesh)
+    return hint("Faces of meshes are selected: this is a sphere-mesh. Extract a mesh of it first.");
   Selecting& selecting = session.models[session.active_model]->selecting;
   section("Select");
   draw_tools(ui);

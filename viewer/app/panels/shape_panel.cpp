@@ -8,12 +8,25 @@
 namespace armature::viewer {
 namespace {
 
-void draw_looks(Ui& ui, const Model& model) {
+/// Whether mesh and spheres are shown: on the pages of both.
+void draw_shown(Ui& ui, const Model& model) {
   Session& session = ui.session;
-  section("Look");
   if (model.mesh) {
     const int mesh = choice_row("mesh", static_cast<int>(session.looks.mesh), {"Mesh", "Glass", "Hidden"});
     if (mesh >= 0) ui.issue("mesh {}", kMeshLooks[static_cast<std::size_t>(mesh)]);
+  }
+  if (model.spheres) {
+    const int spheres =
+        choice_row("spheres", static_cast<int>(session.looks.spheres), {"Spheres", "Structure", "Hidden"});
+    if (spheres >= 0) ui.issue("spheres {}", kSpheresLooks[static_cast<std::size_t>(spheres)]);
+  }
+}
+
+void draw_looks(Ui& ui, const Model& model) {
+  Session& session = ui.session;
+  section("Shown");
+  draw_shown(ui, model);
+  if (model.mesh) {
     bool wireframe = session.looks.wireframe, matcap = session.looks.matcap;
     if (ImGui::Checkbox("Wireframe", &wireframe)) ui.issue("wireframe {}", wireframe ? "on" : "off");
     ImGui::SameLine();
@@ -25,11 +38,7 @@ void draw_looks(Ui& ui, const Model& model) {
     if (ImGui::Combo("##map", &map, kNames.data(), static_cast<int>(kNames.size())))
       ui.issue("map {}", kMaps[static_cast<std::size_t>(map)]);
   }
-  if (model.spheres) {
-    const int spheres =
-        choice_row("spheres", static_cast<int>(session.looks.spheres), {"Spheres", "Structure", "Hidden"});
-    if (spheres >= 0) ui.issue("spheres {}", kSpheresLooks[static_cast<std::size_t>(spheres)]);
-  }
+  section("Seen from");
   if (ImGui::Button("Fit")) ui.issue("fit");
   struct Side {
     const char* name;
@@ -76,14 +85,17 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
 }  // namespace
 
 void draw_shape_panel(Ui& ui) {
+  draw_looks(ui, *ui.session.models[ui.session.active_model]);
+}
+
+void draw_sphere_panel(Ui& ui) {
   Session& session = ui.session;
-  if (session.models.empty()) return;
   const Model& model = *session.models[session.active_model];
-  draw_looks(ui, model);
   section("Spheres");
   const bool busy = session.job.running();
   ImGui::BeginDisabled(busy);
   if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr, model.posing != nullptr);
+  if (model.mesh && model.spheres) draw_shown(ui, model);
   if (model.mesh && (!model.spheres || !model.spheres->hierarchy)) {
     if (accent_button("Abstract to spheres", -1)) ui.issue("build");
     if (!model.spheres) hint("Makes every level at once, from a sphere a vertex to a single one.");
@@ -95,6 +107,11 @@ void draw_shape_panel(Ui& ui) {
       ImGui::SameLine();
     }
     if (ImGui::Button("Extract a mesh")) ui.issue("extract");
+  }
+  if (model.mesh && model.spheres && model.spheres->hierarchy && !model.posing && session.other() == nullptr) {
+    if (ImGui::Button("Beside one that joins what is alike", {-1, 0})) ui.issue("build-alike");
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("Builds a hierarchy that joins like regions together; one slider moves both");
   }
   ImGui::EndDisabled();
 }

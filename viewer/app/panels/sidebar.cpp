@@ -1,4 +1,5 @@
 // The panel on the left: what to do, and the panel for it.
+#include <algorithm>
 #include <array>
 
 #include "viewer/app/theme.h"
@@ -37,6 +38,19 @@ void draw_models(Ui& ui) {
   }
 }
 
+void draw_panel(Ui& ui) {
+  const Model& model = *ui.session.models[ui.session.active_model];
+  switch (ui.session.panel) {
+    case Panel::Look: return draw_shape_panel(ui);
+    case Panel::Spheres:
+      draw_sphere_panel(ui);
+      if (model.mesh && model.spheres) draw_pose_panel(ui);
+      return;
+    case Panel::Select: return draw_select_panel(ui);
+    case Panel::Edit: return draw_edit_panel(ui);
+  }
+}
+
 }  // namespace
 
 void draw_sidebar(Ui& ui) {
@@ -54,10 +68,10 @@ void draw_sidebar(Ui& ui) {
     ImGui::Spacing();
     draw_models(ui);
     if (!session.models.empty()) {
-      draw_shape_panel(ui);
-      if (session.models.size() > session.active_model && session.models[session.active_model]->mesh)
-        draw_select_panel(ui);
-      if (const Model& model = *session.models[session.active_model]; model.mesh && model.spheres) draw_pose_panel(ui);
+      ImGui::Spacing();
+      const int panel = choice_row("panel", static_cast<int>(session.panel), {"Look", "Spheres", "Select", "Edit"});
+      if (panel >= 0) ui.issue("panel {}", kPanels[static_cast<std::size_t>(panel)]);
+      draw_panel(ui);
     }
   }
   ImGui::Dummy({0, ui.px(8)});
@@ -114,18 +128,48 @@ void draw_status_bar(Ui& ui, const Area& area) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
     if (ImGui::IsItemClicked()) session.notice.clear();
   } else {
-    static constexpr std::array<const char*, 6> kHints = {
+    static constexpr std::array<const char*, 8> kHints = {
         "Drag to turn, right-drag to move, wheel to zoom.",
         "Click on a component. Alt moves the camera.",
         "Draw along the cut; Shift draws on at the same cut. Alt moves the camera.",
         "Brush over the patch; Shift adds to it, Ctrl takes away. The wheel changes the brush. Alt moves the camera.",
         "Draw a loop around what you want. Alt moves the camera.",
-        "Click what you want to move, then drag its handles. Alt moves the camera."};
+        "Drag the boundary of what is selected to where it should run. Alt moves the camera.",
+        "Click what you want to move, then drag its handles. Alt moves the camera.",
+        "Click a spot: colours show what is like it. Alt moves the camera."};
     ImGui::AlignTextToFramePadding();
     hint(session.mode == Mode::Walk ? "W A S D or arrow keys walk, or drag in the view."
                                     : kHints[static_cast<std::size_t>(session.tool)]);
   }
   ImGui::End();
+}
+
+/// The numbers of the list's matches, where they are.
+void draw_match_numbers(Ui& ui, ImDrawList& draw) {
+  Session& session = ui.session;
+  if (session.mode != Mode::Shapes || session.models.empty()) return;
+  const Model& model = *session.models[session.active_model];
+  const auto& selecting = model.selecting;
+  if (!model.mesh || !selecting.expansion || session.panel != Panel::Select || session.job.running()) return;
+  constexpr std::size_t kMost = 30;
+  std::size_t place = 0;
+  for (const sdk::Match& match : selecting.expansion->first(std::min(selecting.shown, kMost))) {
+    const std::string number = std::to_string(++place);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const sdk::FaceId face : match.faces) middle += model.mesh->mesh.corner(face, 0);
+    const ViewPoint at = session.camera.project(middle / static_cast<double>(match.faces.size()));
+    const float half = ui.view.size.y / 2;
+    const ImVec2 centre(ui.view.at.x + ui.view.size.x / 2 + half * static_cast<float>(at.x()),
+                        ui.view.at.y + half * (1 - static_cast<float>(at.y())));
+    if (!ui.view.holds(centre)) continue;
+    // What lies behind something else has a number without a disc.
+    const auto seen = session.pick(at);
+    const bool hidden = !seen || !std::ranges::binary_search(match.faces, seen->face);
+    const ImVec2 size = ImGui::CalcTextSize(number.c_str());
+    if (!hidden) draw.AddCircleFilled(centre, ui.px(11), theme::kVeil);
+    const ImU32 colour = hidden ? theme::kFaint : theme::kInk;
+    draw.AddText({centre.x - size.x / 2, centre.y - size.y / 2}, colour, number.c_str());
+  }
 }
 
 void draw_view_hints(Ui& ui) {
@@ -142,7 +186,9 @@ void draw_view_hints(Ui& ui) {
       y += size.y + ui.px(8);
     }
   }
-  if (ui.stroke.size() > 1) {
+  draw_match_numbers(ui, draw);
+  const bool strokes = session.tool == Tool::Cut || session.tool == Tool::Brush || session.tool == Tool::Lasso;
+  if (strokes && ui.stroke.size() > 1) {
     const bool loop = session.tool == Tool::Lasso;
     draw.AddPolyline(ui.stroke.data(), static_cast<int>(ui.stroke.size()), theme::kAccent,
                      loop ? ImDrawFlags_Closed : ImDrawFlags_None, ui.px(2.5F));

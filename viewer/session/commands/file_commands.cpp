@@ -65,10 +65,14 @@ Done save(Session& session, Arguments& arguments) {
   const std::string file = arguments.word("file");
   const bool spheres = arguments.left() > 0 && arguments.choice("what", {"mesh", "spheres"}) == 1;
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto model = session.active();
-  if (!model) return tl::unexpected(model.error());
-  if (auto written = write_model(**model, file, spheres); !written) return written;
-  session.tell("wrote " + file);
+  if (auto model = session.active(); !model) return tl::unexpected(model.error());
+  session.start("writing " + file,
+                [&session, file, spheres,
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  if (auto written = write_model(*model, file, spheres); !written)
+                    return tl::unexpected(written.error());
+                  return Job::Apply([&session, file] { session.tell("wrote " + file); });
+                });
   return {};
 }
 

@@ -39,6 +39,7 @@ Done pose(Session& session, Arguments& arguments) {
                     model->handle.clear();
                     model->take_pose();
                     session.tool = Tool::Pose;
+                    session.panel = Panel::Spheres;
                     session.looks.mesh = MeshLook::Glass;
                     session.looks.spheres = SpheresLook::Structure;
                   });

@@ -79,13 +79,27 @@ Done report(Session& session, Arguments& arguments) {
   return {};
 }
 
+/// A picture's size, where there is another word.
+Done read_size(Arguments& arguments, PictureRequest& request) {
+  if (arguments.left() == 0) return {};
+  const auto size = parse_size(arguments.word("size"));
+  if (!size) return sdk::fail("size: " + size.error().message);
+  request.size = *size;
+  return {};
+}
+
 Done screenshot(Session& session, Arguments& arguments) {
   PictureRequest request{.file = arguments.word("file")};
-  if (arguments.left() > 0) {
-    const auto size = parse_size(arguments.word("size"));
-    if (!size) return sdk::fail("size: " + size.error().message);
-    request.size = *size;
-  }
+  if (auto sized = read_size(arguments, request); !sized) return sized;
+  if (auto checked = arguments.check(); !checked) return checked;
+  session.picture = std::move(request);
+  return {};
+}
+
+Done frame_times(Session& session, Arguments& arguments) {
+  PictureRequest request;
+  request.turn = static_cast<int>(arguments.count("pictures", 1, 1000));
+  if (auto sized = read_size(arguments, request); !sized) return sized;
   if (auto checked = arguments.check(); !checked) return checked;
   session.picture = std::move(request);
   return {};
@@ -116,6 +130,8 @@ constexpr std::array kCommands = {
             true},
     Command{"report", "", "print all facts", report, true},
     Command{"screenshot", "FILE.png [WxH]", "write what the window shows", screenshot, true},
+    Command{"frame-times", "PICTURES [WxH]", "turn the camera once around and print what pictures take", frame_times,
+            true},
     Command{"cancel", "", "end what runs in the background", cancel, true},
     Command{"quit", "", "close the window", quit, true},
     Command{"help", "", "print all commands", help, true},

@@ -30,7 +30,7 @@ void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces 
   selecting.reference = std::move(faces);
   selecting.expansion.reset();
   selecting.shown = 0;
-  ++model.mesh_revision;
+  ++model.colour_revision;
 }
 
 void forget_reference(Model& model) {
@@ -38,7 +38,7 @@ void forget_reference(Model& model) {
   model.selecting.reference.clear();
   model.selecting.expansion.reset();
   model.selecting.shown = 0;
-  ++model.mesh_revision;
+  ++model.colour_revision;
 }
 
 Done click(Session& session, Arguments& arguments) {
@@ -174,6 +174,28 @@ Done snap(Session& session, Arguments& arguments) {
   return {};
 }
 
+/// drag-edge FROM TO [SNAP]: lets the boundary of the last region run through another point.
+Done drag_edge(Session& session, Arguments& arguments) {
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  const sdk::Surface& surface = (*active)->mesh->surface;
+  const Eigen::Vector3d from = arguments.vector("from"), to = arguments.vector("to");
+  const double snap = arguments.left() > 0 ? arguments.number("snap", 0, 0.5) : 0;
+  if (auto checked = arguments.check(); !checked) return checked;
+  const auto ends = sdk::project_stroke(surface, {from, to}, "the drag");
+  if (!ends) return tl::unexpected(ends.error());
+  if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
+  session.start("moving the boundary",
+                [how = session.combine, drag = boundary_drag(surface, ends->front(), ends->back(), snap),
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto faces = sdk::drag_boundary(model->mesh->surface, model->selecting.reference, drag);
+                  return Job::Apply([how, model, faces = std::move(faces)] {
+                    take_reference(how, *model, model->selecting.kind, faces, true);
+                  });
+                });
+  return {};
+}
+
 sdk::Expected<sdk::Expansion> expanded(const Model& model, const sdk::Task& task) {
   const Selecting& selecting = model.selecting;
   switch (selecting.kind) {
@@ -201,7 +223,7 @@ Done expand(Session& session, Arguments& arguments) {
           model->selecting.shown = static_cast<std::size_t>(
               std::ranges::find_if(all, [](const sdk::Match& match) { return match.score < kClear; }) - all.begin());
           model->selecting.expansion = expansion;
-          ++model->mesh_revision;
+          ++model->colour_revision;
         });
       });
   return {};
@@ -220,7 +242,7 @@ Done matches(Session& session, Arguments& arguments) {
   const std::size_t shown = arguments.count("matches", 0, (*model)->selecting.expansion->size());
   if (auto checked = arguments.check(); !checked) return checked;
   (*model)->selecting.shown = shown;
-  ++(*model)->mesh_revision;
+  ++(*model)->colour_revision;
   return {};
 }
 
@@ -232,7 +254,7 @@ Done accept(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->accept(place - 1);
   selecting.shown = std::max<std::size_t>(selecting.shown, 1);
-  ++(*model)->mesh_revision;
+  ++(*model)->colour_revision;
   return {};
 }
 
@@ -244,7 +266,7 @@ Done reject(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->reject(place - 1);
   if (place <= selecting.shown) --selecting.shown;
-  ++(*model)->mesh_revision;
+  ++(*model)->colour_revision;
   return {};
 }
 
@@ -253,7 +275,7 @@ Done reconsider(Session& session, Arguments& arguments) {
   const auto model = with_expansion(session);
   if (!model) return tl::unexpected(model.error());
   if (!(*model)->selecting.expansion->undo()) return sdk::fail("nothing was accepted or rejected yet");
-  ++(*model)->mesh_revision;
+  ++(*model)->colour_revision;
   return {};
 }
 
@@ -316,6 +338,7 @@ constexpr std::array kCommands = {
     Command{"brush", "new|add|background RADIUS X Y Z ...", "select the patch under a brush", brush},
     Command{"lasso", "X Y ...", "select the faces that are seen within a loop in the view", lasso},
     Command{"snap", "[WIDTH]", "let the boundary run where the surface is best cut nearby", snap},
+    Command{"drag-edge", "X Y Z X Y Z [SNAP]", "let the boundary run from there through here instead", drag_edge},
     Command{"combine", "replace|add|subtract|intersect", "what a gesture does to the selection", combine, true},
     Command{"brush-size", "SIZE", "the brush's radius, as a part of the model's size", brush_size, true},
     Command{"expand", "", "look for regions like the one selected last", expand},

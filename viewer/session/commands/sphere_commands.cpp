@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include <armature/sdk/decimation/similar_decimation.h>
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/spheremesh/extract.h>
 #include <armature/sdk/spheremesh/refine.h>
@@ -27,7 +28,44 @@ Done build(Session& session, Arguments& arguments) {
                   if (!built) return tl::unexpected(built.error());
                   auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(built->hierarchy));
                   return Job::Apply([&session, model, hierarchy] {
-                    model->set_hierarchy(hierarchy, 60);
+                    model->set_hierarchy(hierarchy, kFirstLevel);
+                    session.looks.spheres = SpheresLook::Surface;
+                    session.looks.mesh = MeshLook::Off;
+                  });
+                });
+  return {};
+}
+
+/// The hierarchy of collapses that are done together where regions are alike, as a model beside the plain one.
+Done build_alike(Session& session, Arguments& arguments) {
+  const double threshold = arguments.left() > 0 ? arguments.number("threshold", 0, 1) : 0.5;
+  if (auto checked = arguments.check(); !checked) return checked;
+  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  if (session.models[session.active_model]->posing) return sdk::fail("put the mesh back before building: `unpose`");
+  session.start("building the hierarchy of what is alike",
+                [&session, threshold,
+                 plain = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto alike = sdk::build_similar_hierarchy(plain->mesh->mesh, {}, {.threshold = threshold}, task);
+                  if (!alike) return tl::unexpected(alike.error());
+                  auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(alike->build.hierarchy));
+                  std::shared_ptr<const sdk::Hierarchy> beside = plain->spheres ? plain->spheres->hierarchy : nullptr;
+                  const bool has_one = beside != nullptr;
+                  if (!has_one) {
+                    auto built = sdk::build_hierarchy(plain->mesh->mesh, {}, task);
+                    if (!built) return tl::unexpected(built.error());
+                    beside = std::make_shared<const sdk::Hierarchy>(std::move(built->hierarchy));
+                  }
+                  return Job::Apply([&session, plain, hierarchy, beside, has_one] {
+                    if (!has_one) plain->set_hierarchy(beside, kFirstLevel);
+                    const OrbitCamera camera = session.camera;
+                    const std::size_t place = session.active_model;
+                    auto model = std::make_shared<Model>();
+                    model->name = plain->name + ", like regions together";
+                    model->mesh = plain->mesh;
+                    model->set_hierarchy(hierarchy, plain->spheres->shape.spheres.size());
+                    session.add(model);
+                    session.camera = camera;  // the same shape, seen from the same place
+                    session.beside = place + 1;
                     session.looks.spheres = SpheresLook::Surface;
                     session.looks.mesh = MeshLook::Off;
                   });
@@ -105,6 +143,9 @@ Done extract(Session& session, Arguments& arguments) {
 constexpr std::array kCommands = {
     Command{"build", "[IMPORTANCE]", "the hierarchy of sphere-meshes of the mesh; importance of curved places, 0 to 10",
             build},
+    Command{"build-alike", "[THRESHOLD]",
+            "the hierarchy that joins like regions together, beside the plain one; how unlike they may be, 0 to 1",
+            build_alike},
     Command{"level", "SPHERES", "the level of the hierarchy with so many spheres", level},
     Command{"refine", "", "fit the spheres of this level closer to the mesh", refine},
     Command{"extract", "[TOLERANCE]", "a mesh of the sphere-mesh; tolerance as a part of its size", extract},

@@ -57,8 +57,27 @@ Done mode(Session& session, Arguments& arguments) {
   return choose<&Session::mode>(session, arguments, "mode", kModes);
 }
 
+/// Tools go with the panel that has them.
+Done panel(Session& session, Arguments& arguments) {
+  const Panel before = session.panel;
+  auto done = choose<&Session::panel>(session, arguments, "panel", kPanels);
+  if (done && session.panel != before) session.tool = Tool::Look;
+  return done;
+}
+
 Done tool(Session& session, Arguments& arguments) {
-  return choose<&Session::tool>(session, arguments, "tool", kTools);
+  if (auto done = choose<&Session::tool>(session, arguments, "tool", kTools); !done) return done;
+  switch (session.tool) {
+    case Tool::Look: break;
+    case Tool::Pose: session.panel = Panel::Spheres; break;
+    case Tool::Spot: session.panel = Panel::Edit; break;
+    case Tool::Click:
+    case Tool::Cut:
+    case Tool::Brush:
+    case Tool::Lasso:
+    case Tool::Edge: session.panel = Panel::Select; break;
+  }
+  return {};
 }
 
 Done mesh(Session& session, Arguments& arguments) {
@@ -96,7 +115,7 @@ Done map(Session& session, Arguments& arguments) {
   if (!model) return tl::unexpected(model.error());
   if (kind == MapKind::None || kind == MapKind::Components) {
     (*model)->values.clear();
-    ++(*model)->mesh_revision;
+    ++(*model)->colour_revision;
     session.looks.map = kind;
     return {};
   }
@@ -109,7 +128,7 @@ Done map(Session& session, Arguments& arguments) {
                   if (!values) return tl::unexpected(values.error());
                   return Job::Apply([&session, kind, model, values = std::move(*values)] {
                     model->values = values;
-                    ++model->mesh_revision;
+                    ++model->colour_revision;
                     session.looks.map = kind;
                   });
                 });
@@ -126,8 +145,9 @@ Done pick(Session& session, Arguments& arguments) {
 
 constexpr std::array kCommands = {
     Command{"mode", "shapes|walk", "look at shapes, or walk through the city", mode, true},
-    Command{"tool", "look|click|cut|brush|lasso|pose", "what the mouse does; holding Alt it always moves the camera",
-            tool, true},
+    Command{"panel", "look|spheres|select|edit", "which panel is shown beside the shapes", panel, true},
+    Command{"tool", "look|click|cut|brush|lasso|edge|pose|spot",
+            "what the mouse does; holding Alt it always moves the camera", tool, true},
     Command{"camera", "AZIMUTH ELEVATION [DISTANCE X Y Z]", "degrees; and the point it turns about", camera, true},
     Command{"fit", "", "see all of the model", fit, true},
     Command{"up", "x|y|z|-x|-y|-z", "which direction of the model is up", up, true},
