@@ -12,6 +12,7 @@
 #include <toml++/toml.h>
 
 #include "tracker/config_fields.h"
+#include "tracker/segmentation/stored_background.h"
 
 namespace armature {
 namespace {
@@ -238,7 +239,12 @@ Expected<Config> load_config(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (!in && !in.eof()) return fail(path.string() + ": cannot be read");
-  return parse_config(text, path.string());
+  auto config = parse_config(text, path.string());
+  if (!config || config->background.empty()) return config;
+  auto background = read_background(config->background);
+  if (!background) return fail(path.string() + ": segmentation.background = " + background.error().message);
+  config->tracker.segmentation.background = std::make_shared<const StoredBackground>(std::move(*background));
+  return config;
 }
 
 std::string print_config(const Config& config) {

@@ -24,13 +24,14 @@ struct Config {
   std::string control;                               ///< base of the control socket; empty: beside the endpoint
   std::string control_uids;                          ///< who may change something, besides root and our own user
   int metrics_port = 0;                              ///< on 127.0.0.1; 0 = none
+  std::string background;                            ///< the empty site (`armature doctor --background`); empty: none
   std::string model;                                 ///< a forest; empty: the one that is installed
   Profile profile = Profile::Standing;
   TrackerOptions tracker;
 };
 
-/// Reads and validates a TOML file. An unknown key, a wrong type, a value out of range or a pair that cannot be steered
-/// with is an error of one line: FILE:LINE: key = value: what was expected.
+/// Reads and validates a TOML file, and the background it names. An unknown key, a wrong type, a value out of range or
+/// a pair that cannot be steered with is an error of one line: FILE:LINE: key = value: what was expected.
 [[nodiscard]] Expected<Config> load_config(const std::filesystem::path& path);
 /// The same for a text; `name` stands for the file in messages.
 [[nodiscard]] Expected<Config> parse_config(std::string_view text, std::string_view name);

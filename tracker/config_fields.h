@@ -40,6 +40,8 @@ void visit_config(Config& c, Visitor& v) {
   v.number("near_m", zone.near_m, 0.3F, 8.0F, "nearest distance along the optical axis");
   v.number("far_m", zone.far_m, 0.5F, 10.0F, "farthest");
   v.number("half_width_m", zone.half_width_m, 0.2F, 10.0F, "to either side of the optical axis");
+  v.text("background", c.background,
+         "the empty site, made by `armature doctor --site URI --background FILE`; empty: learned from what is seen");
 
   v.section("skeleton", "From depth to joints.");
   v.text("model", c.model, "a forest made by `armature forest train`; empty: the installed one");

@@ -67,6 +67,22 @@ class Doctor(unittest.TestCase):
         self.assertIn("zone", findings)
 
 
+    def test_stores_the_empty_site_for_the_daemon(self):
+        with tempfile.TemporaryDirectory() as folder:
+            picture, config = Path(folder, "empty.pgm"), Path(folder, "kiosk.toml")
+            found = run("doctor", "--site", "synth:walk_in?size=320x240&seed=3", "--seconds", "1", "--background", picture,
+                        "--json")
+            findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
+            self.assertEqual(findings["background"]["kind"], "ok", findings)
+            self.assertEqual(picture.read_bytes()[:17], b"P5\n320 240\n65535\n"[:17])
+            config.write_text(f"[segmentation]\nbackground = '{picture}'\n")
+            found = run("doctor", "--config", config, "--json")
+            self.assertIn(f"{config} is in order", found.stdout)
+            picture.write_bytes(picture.read_bytes()[:-1])
+            found = run("doctor", "--config", config, "--json")
+            self.assertIn("153599 bytes of pixels: expected 153600", found.stdout)
+
+
 class Status(unittest.TestCase):
     def test_asks_a_running_daemon_which_takes_sighup_and_ends_with_sigterm(self):
         with tempfile.TemporaryDirectory() as folder:

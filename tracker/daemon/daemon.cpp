@@ -9,6 +9,7 @@
 #include "tracker/daemon/daemon_state.h"
 #include "tracker/daemon/security.h"
 #include "tracker/daemon/wire.h"
+#include "tracker/segmentation/stored_background.h"
 #include "tracker/synth/open_source.h"
 
 namespace armature {
@@ -121,8 +122,21 @@ Expected<void> Daemon::run(const std::stop_token& stop) {
   return {};
 }
 
+/// Once a size of images.
+void Daemon::State::compare_background(const Intrinsics& image) {
+  const auto& empty = config.tracker.segmentation.background;
+  if (empty == nullptr || image == compared) return;
+  compared = image;
+  if (empty->fits(image)) return;
+  say(wire::EventKind::Warning,
+      fmt::format("{} is {} x {}, the sensor's image {} x {}: the background is learned from what is seen; make it "
+                  "anew with `armature doctor --site URI --background FILE`",
+                  config.background, empty->width, empty->height, image.width, image.height));
+}
+
 void Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
+  compare_background(frame.intrinsics);
   if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);

@@ -39,6 +39,7 @@ struct Daemon::State {
 
   void cycle();
   void track(const DepthFrame& frame);
+  void compare_background(const Intrinsics& image);
   void watch_source(bool frame_came);
   void note_state(EngagementState state);
   void serve_between_frames();
@@ -68,6 +69,7 @@ struct Daemon::State {
   float frames_per_second = 0;
   bool silent = false;
   FrameGuard guard;
+  Intrinsics compared;  // with the stored background
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;
   Metrics metrics;

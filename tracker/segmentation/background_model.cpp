@@ -106,6 +106,12 @@ bool BackgroundModel::learn_cell(std::size_t cell, float w, Cover cover) noexcep
   return difference < 0;
 }
 
+void BackgroundModel::adopt(std::span<const float> inverse_depth) noexcept {
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    if (inverse_depth[i] > 0) believe(i, {inverse_depth[i], kKnown});
+  }
+}
+
 void BackgroundModel::learn(const DepthGrid& grid, std::span<const Cover> cover) noexcept {
   const std::span<const float> inverse_depth = grid.inverse_depth;
   std::size_t farther = 0;

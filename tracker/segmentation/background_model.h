@@ -36,6 +36,9 @@ class BackgroundModel {
   /// Whether each of the kBlock cells from `first` on has no return or is Background.
   [[nodiscard]] bool nothing_new(std::size_t first, std::span<const float> inverse_depth) const noexcept;
 
+  /// Believes what was seen of the empty site; cells of 0 stay as they are.
+  void adopt(std::span<const float> inverse_depth) noexcept;
+
   /// Learns from a frame, never from the cells of users.
   void learn(const DepthGrid& grid, std::span<const Cover> cover) noexcept;
 

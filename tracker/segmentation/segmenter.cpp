@@ -9,6 +9,7 @@
 #include "tracker/segmentation/depth_grid.h"
 #include "tracker/segmentation/human_shape.h"
 #include "tracker/segmentation/planes.h"
+#include "tracker/segmentation/stored_background.h"
 #include "tracker/segmentation/user_mask.h"
 #include "tracker/segmentation/user_tracker.h"
 
@@ -71,7 +72,12 @@ void Segmenter::reset(const Intrinsics& intrinsics) {
   state_->result = {};
   state_->intrinsics = intrinsics;
   state_->stages.reset();
-  if (usable(intrinsics)) state_->stages.emplace(intrinsics, state_->options);
+  if (!usable(intrinsics)) return;
+  Stages& stages = state_->stages.emplace(intrinsics, state_->options);
+  const auto& empty = state_->options.background;
+  if (empty == nullptr || !empty->fits(intrinsics)) return;
+  sample({.depth_mm = empty->depth_mm, .intrinsics = intrinsics, .sequence = 0, .sensor = {}, .host = {}}, stages.grid);
+  stages.background.adopt(stages.grid.inverse_depth);
 }
 
 const Segmentation& Segmenter::process(DepthView frame) noexcept {

@@ -32,10 +32,14 @@ struct Segmentation {
   Eigen::Vector3f up = -Eigen::Vector3f::UnitY();  ///< floor normal, or the camera's own up where no floor is seen
 };
 
+struct StoredBackground;
+
 struct SegmentationOptions {
   float near_m = 0.5F;  ///< the active zone: what is nearer or farther is ignored
   float far_m = 4.5F;
   float half_width_m = 2.0F;  ///< half the active zone's width about the optical axis
+  /// The empty site, if it is known; passed over for images of another size. What has changed since is learned anew.
+  std::shared_ptr<const StoredBackground> background = nullptr;
 };
 
 /// Depth frame -> floor, background and users. Owns all its memory; learns the background as frames come.

@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware_host/recording/file_reader.h"
+#include "tests/support/temporary_directory.h"
 #include "tests/tracker/segmentation/room.h"
+#include "tracker/segmentation/stored_background.h"
 
 namespace armature {
 namespace {
@@ -40,6 +43,43 @@ TEST(Segmenter, FindsAPersonInTheFirstFrameOfAFurnishedRoom) {
   EXPECT_GE(intersection_over_union(result.user_of_pixel, result.users[0].id, picture.truth, 1), 0.95F);
   EXPECT_NEAR(result.users[0].centre.x(), 0.2F, 0.05F);
   EXPECT_EQ(result.users[0].id, 1);
+}
+
+TEST(Segmenter, WhatStandsInTheStoredBackgroundIsNobodyFromTheFirstFrameOn) {
+  Room room = furnished_room();
+  room.add_person(-0.6F, 2.6F, 2);  // a dummy
+  const std::vector<DepthFrame> empty = {room.draw(1).frame, room.draw(2).frame, room.draw(3).frame};
+  room.add_person(0.3F, 2.5F, 1);
+  const auto picture = room.draw(4);
+  ASSERT_EQ(Segmenter({}).process(picture.frame.view()).users.size(), 2U) << "without it";
+
+  Segmenter segmenter({.background = std::make_shared<const StoredBackground>(median_of(empty))});
+  const Segmentation& result = segmenter.process(picture.frame.view());
+  ASSERT_EQ(result.users.size(), 1U);
+  EXPECT_GE(intersection_over_union(result.user_of_pixel, result.users[0].id, picture.truth, 1), 0.9F);
+}
+
+TEST(StoredBackground, IsTheMedianAndReadsBackAsItWasWritten) {
+  std::vector<DepthFrame> frames(5);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    frames[n].intrinsics = {3, 1, 300, 300, 1.5, 0.5};
+    frames[n].depth_mm = {static_cast<std::uint16_t>(1000 + n), 0, static_cast<std::uint16_t>(n < 2 ? 0 : 40000)};
+  }
+  frames[4].depth_mm[0] = 9;
+  const StoredBackground background = median_of(frames);
+  EXPECT_EQ(background.depth_mm, (std::vector<std::uint16_t>{1001, 0, 40000}));
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "background.pgm";
+  ASSERT_TRUE(write_background(file, background));
+  const auto read = read_background(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->depth_mm, background.depth_mm);
+  EXPECT_EQ(read->width, 3);
+  const auto bytes = read_file(file, 100);
+  ASSERT_TRUE(bytes);
+  for (std::size_t size = 0; size < bytes->size(); ++size) {
+    EXPECT_FALSE(parse_background(std::span(*bytes).first(size), "cut")) << size;
+  }
 }
 
 /// How well the first frame shows person 1 as the only user: intersection over union, 0 with more or fewer users.

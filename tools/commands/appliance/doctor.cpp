@@ -1,9 +1,6 @@
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,49 +8,20 @@
 #include "firmware_host/control/usb.h"
 #include "firmware_host/control/video_nodes.h"
 #include "tools/commands/appliance/appliance.h"
-#include "tools/interrupt.h"
-#include "tools/json_lines.h"
-#include "tools/progress.h"
+#include "tools/commands/appliance/findings.h"
+#include "tools/commands/appliance/site.h"
 #include "tracker/config.h"
 #include "tracker/daemon/metrics.h"
 #include "tracker/daemon/security.h"
 #include "tracker/installation.h"
-#include "tracker/synth/open_source.h"
 
 namespace armature::tools {
 namespace {
 
-using namespace std::chrono_literals;
-
 struct DoctorOptions {
-  std::string config, site;
-  double seconds = 3;
+  std::string config;
+  SiteOptions site;
   bool json = false;
-};
-
-/// What was found, line by line.
-class Findings {
- public:
-  explicit Findings(bool json) : json_(json) {}
-  void good(const std::string& what, const std::string& found) { say("ok", what, found, ""); }
-  void note(const std::string& what, const std::string& found) { say("note", what, found, ""); }
-  void bad(const std::string& what, const std::string& found, const std::string& remedy) {
-    ++problems_;
-    say("problem", what, found, remedy);
-  }
-  [[nodiscard]] int problems() const noexcept { return problems_; }
-
- private:
-  void say(const char* kind, const std::string& what, const std::string& found, const std::string& remedy) const {
-    if (json_) {
-      (void)write_json_line(stdout, {{"kind", kind}, {"what", what}, {"found", found}, {"remedy", remedy}});
-      return;
-    }
-    std::printf("%-8s %-12s %s%s%s\n", kind, what.c_str(), found.c_str(), remedy.empty() ? "" : "\n         -> ",
-                remedy.c_str());
-  }
-  bool json_;
-  int problems_ = 0;
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -151,107 +119,11 @@ void look_at_configuration(const std::string& file, Findings& findings) {
   }
 }
 
-/// Looks at the empty site: how the sensor stands and what the active zone should be.
-void look_at_site(const DoctorOptions& options, Findings& findings) {
-  auto source = open_source(options.site);
-  if (!source) return findings.bad("site", source.error().message, "`armature devices` lists what is plugged in");
-  const Interrupt interrupt;
-  Segmenter segmenter(SegmentationOptions{.far_m = 9, .half_width_m = 6});
-  DepthFrame frame;
-  std::chrono::nanoseconds first{-1};
-  FloorPlane floor;
-  int frames = 0, with_floor = 0, with_people = 0;
-  double seen_share = 0;
-  while (!interrupt.requested()) {
-    const auto status = (*source)->read(frame, 500ms);
-    if (!status) return findings.bad("site", status.error().message, "see above");
-    if (*status == ReadStatus::EndOfStream) break;
-    if (*status == ReadStatus::Timeout) {
-      if (frames == 0) continue;
-      break;
-    }
-    if (first.count() < 0) first = frame.sensor.time;
-    if (std::chrono::duration<double>(frame.sensor.time - first).count() > options.seconds) break;
-    const Segmentation& seen = segmenter.process(frame.view());
-    if (seen.floor) floor = *seen.floor;
-    ++frames;
-    with_floor += seen.floor ? 1 : 0;
-    with_people += seen.users.empty() ? 0 : 1;
-    const auto known = std::count_if(frame.depth_mm.begin(), frame.depth_mm.end(), [](auto d) { return d != 0; });
-    seen_share += static_cast<double>(known) / static_cast<double>(frame.depth_mm.size());
-  }
-  if (frames == 0) return findings.bad("site", options.site + ": not a single frame", "see the sensor above");
-  seen_share /= frames;
-  if (seen_share < 0.3)
-    findings.bad("light", fmt::format("{:.0f} % of the image has depth", seen_share * 100),
-                 "direct sunlight, glass or black surfaces: turn the sensor or shade it");
-  else
-    findings.good("light", fmt::format("{:.0f} % of the image has depth", seen_share * 100));
-  if (with_people > frames / 4)
-    findings.note("people", "somebody is in view: for commissioning the place should be empty");
-  if (with_floor < std::max(1, frames / 2)) {
-    return findings.bad("floor", fmt::format("seen in {} of {} frames", with_floor, frames),
-                        "tilt the sensor down until the floor two metres before it is in view");
-  }
-  const Eigen::Vector3f up = floor.normal;
-  const float degrees = 180 / std::numbers::pi_v<float>;
-  const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * degrees;
-  const float roll = std::atan2(up.x(), -up.y()) * degrees;
-  const std::string stands =
-      fmt::format("{:.2f} m above the floor, looks down by {:.0f} degrees, rolled by {:.0f}", floor.offset, tilt, roll);
-  if (std::abs(roll) > 5)
-    findings.bad("stand", stands, "level it: roll should be within 5 degrees");
-  else if (floor.offset < 0.4F || floor.offset > 2.6F || std::abs(tilt) > 40)
-    findings.bad("stand", stands, "0.6 to 2.2 m high and tilted by at most 30 degrees see people best");
-  else
-    findings.good("stand", stands);
-  // How far the floor is free: the nearest thing above it within a metre of the middle.
-  const Intrinsics& k = frame.intrinsics;
-  float free_to = 9;
-  const Eigen::Vector3f ahead = (Eigen::Vector3f::UnitZ() - up.z() * up).normalized();
-  const Eigen::Vector3f right(ahead.y() * up.z() - ahead.z() * up.y(), ahead.z() * up.x() - ahead.x() * up.z(),
-                              ahead.x() * up.y() - ahead.y() * up.x());
-  std::array<int, 90> standing{};  // cells of 10 cm
-  for (int v = 0; v < k.height; v += 4) {
-    for (int u = 0; u < k.width; u += 4) {
-      const float z = static_cast<float>(frame.view().at(u, v)) / 1000;
-      if (z <= 0) continue;
-      const Eigen::Vector3f p(z * static_cast<float>((u - k.centre_x_px) / k.focal_x_px),
-                              z * static_cast<float>((v - k.centre_y_px) / k.focal_y_px), z);
-      const float above = up.dot(p) + floor.offset, away = ahead.dot(p);
-      if (above > 0.25F && above < 2 && std::abs(right.dot(p)) < 0.8F && away > 0 && away < 9)
-        ++standing[static_cast<std::size_t>(away * 10)];
-    }
-  }
-  for (std::size_t cell = 0; cell < standing.size(); ++cell) {
-    if (standing[cell] > 30) {
-      free_to = static_cast<float>(cell) / 10;
-      break;
-    }
-  }
-  const float far = std::min(4.0F, free_to - 0.3F);
-  if (far < 1.5F) {
-    return findings.bad("zone", fmt::format("something stands {:.1f} m before the sensor", free_to),
-                        "clear the floor between 1.2 and 3 m before it, or move it");
-  }
-  findings.good("zone",
-                fmt::format("free to {:.1f} m; in the configuration: [engagement] near_m = 1.2, far_m = {:.1f}, "
-                            "half_width_m = 0.8",
-                            free_to, far));
-  if (const auto motor = KinectMotor::open(0)) {
-    if (const auto posture = (*motor)->posture()) {
-      const auto& g = posture->up_m_s2;
-      const double by_gravity = std::atan2(-g[2], -g[1]) * 180 / std::numbers::pi;
-      findings.note("gravity", fmt::format("the accelerometer says {:.0f} degrees down", by_gravity));
-    }
-  }
-}
-
 Expected<void> examine(const DoctorOptions& options) {
   Findings findings(options.json);
   look_at_sensors(findings);
   look_at_configuration(options.config, findings);
-  if (!options.site.empty()) look_at_site(options, findings);
+  if (!options.site.source.empty()) look_at_site(options.site, findings);
   if (findings.problems() > 0)
     return fail(fmt::format("{} problems; each line above has its remedy", findings.problems()));
   return {};
@@ -265,17 +137,21 @@ void add_doctor(CLI::App& app, Run& run) {
       "doctor", "Find what is wrong: permissions, busy devices, USB bandwidth and power, configuration, model, ports");
   command->add_option("--config", options->config, "The daemon's TOML file")->type_name("FILE");
   command
-      ->add_option("--site", options->site,
+      ->add_option("--site", options->site.source,
                    "Commission a site: look at the empty place through this source and say how the sensor stands, "
                    "whether it sees the floor, and what the active zone should be")
       ->type_name("URI");
-  command->add_option("--seconds", options->seconds, "How long to look at the site")
+  command
+      ->add_option("--background", options->site.background,
+                   "With --site: store the empty place in FILE.pgm, for segmentation.background in the configuration")
+      ->type_name("FILE");
+  command->add_option("--seconds", options->site.seconds, "How long to look at the site")
       ->check(CLI::Range(0.5, 60.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "One JSON object a finding");
   command->footer(
       "Exits 1 when there is a problem.\n\nExample:\n  armature doctor --config /etc/armature/armatured.toml --site "
-      "freenect:0");
+      "freenect:0 --background /etc/armature/background.pgm");
   command->callback([options, &run] { run = [options] { return examine(*options); }; });
 }
 
