@@ -29,6 +29,10 @@ bool does_one_at_a_time(const SimilarityOptions& options) {
   return options.threshold == 0 && !options.adaptive;
 }
 
+std::vector<std::uint32_t> classes_of(const Mesh& mesh, const SimilarityOptions& options) {
+  return options.in_step ? counterpart_classes(mesh) : std::vector<std::uint32_t>{};
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const SimilarityOptions& options,
@@ -57,7 +61,7 @@ Expected<HierarchyBuild> build_similar_hierarchy(const Mesh& mesh, const Descrip
     return fail("descriptor: expected one of the mesh's " + std::to_string(mesh.positions.size()) +
                 " vertices, found one of " + std::to_string(descriptor.size()));
   if (does_one_at_a_time(similarity)) return build_hierarchy(mesh, options, task);
-  SimilarRegions regions(descriptor, similarity);
+  SimilarRegions regions(descriptor, classes_of(mesh, similarity), similarity);
   return build_hierarchy_with(&regions, mesh, options, task);
 }
 
@@ -92,7 +96,7 @@ Expected<SimilarMesh> decimate_similar_mesh(const Mesh& mesh, const DecimateMesh
     auto made = region_descriptor(mesh, similarity, task);
     if (!made) return tl::unexpected(made.error());
     descriptor = std::move(*made);
-    regions = std::make_unique<SimilarRegions>(*descriptor, similarity);
+    regions = std::make_unique<SimilarRegions>(*descriptor, classes_of(mesh, similarity), similarity);
     result.descriptor_ms = milliseconds_since(start);
   }
   start = Clock::now();

@@ -11,16 +11,18 @@ namespace {
 constexpr std::size_t kFirstLooks = 1024;
 constexpr std::size_t kLooksEarned = 8;
 
-// Where the first gap lies in ranked dissimilarities: the next is so many times the one before, and so much more.
-constexpr double kGapRatio = 1.5, kLeastGap = 0.01;
+// A gap in ranked dissimilarities is so many times as wide as they lie apart before it, and so wide at least.
+constexpr double kGapRatio = 4, kLeastGap = 0.02;
 constexpr double kMostAdaptive = 0.4;
 
 constexpr double kUnlike = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-SimilarRegions::SimilarRegions(const Descriptor& descriptor, const SimilarityOptions& options)
+SimilarRegions::SimilarRegions(const Descriptor& descriptor, std::span<const std::uint32_t> classes,
+                               const SimilarityOptions& options)
     : descriptor_(descriptor),
+      counterparts_(classes),
       options_(options),
       width_(descriptor.width()),
       place_(descriptor.size(), kNoIndex),
@@ -73,22 +75,23 @@ double SimilarRegions::dissimilarity(std::uint32_t a, std::uint32_t b) {
 double SimilarRegions::threshold(std::span<double> dissimilarities) const {
   if (!options_.adaptive) return options_.threshold;
   std::ranges::sort(dissimilarities);
-  double before = 0;
-  for (const double d : dissimilarities) {
-    if (d > kGapRatio * before + kLeastGap) return d;
-    before = d;
+  for (std::size_t k = 1; k < dissimilarities.size(); ++k) {
+    const double apart =
+        (dissimilarities[k - 1] - dissimilarities.front()) / static_cast<double>(std::max<std::size_t>(1, k - 1));
+    if (dissimilarities[k] - dissimilarities[k - 1] > std::max(kLeastGap, kGapRatio * apart)) return dissimilarities[k];
   }
   return kMostAdaptive;
 }
 
-void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
+std::span<const std::uint32_t> SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
   looks_ += kLooksEarned;
+  const auto behind = counterparts_.merge(kept, gone);
   areas_[kept] += areas_[gone];
   if (place_[kept] == kNoIndex && place_[gone] != kNoIndex) {
     descriptor_.describe(VertexId(kept), scratch_);
     std::swap(place_[kept], place_[gone]);
     descriptor_.aggregate(row(place_[kept]), scratch_);
-    return;
+    return behind;
   }
   if (place_[kept] == kNoIndex) {
     if (free_.empty()) {
@@ -102,11 +105,12 @@ void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
   if (place_[gone] == kNoIndex) {
     descriptor_.describe(VertexId(gone), scratch_);
     descriptor_.aggregate(row(place_[kept]), scratch_);
-    return;
+    return behind;
   }
   descriptor_.aggregate(row(place_[kept]), row(place_[gone]));
   free_.push_back(place_[gone]);
   place_[gone] = kNoIndex;
+  return behind;
 }
 
 }  // namespace armature::sdk

@@ -7,24 +7,28 @@
 
 #include <armature/sdk/decimation/similar_decimation.h>
 
+#include "sdk/decimation/counterparts.h"
 #include "sdk/hierarchy/decimation.h"
 
 namespace armature::sdk {
 
-/// Tells which collapses are alike by the descriptors of the regions that they make. A region of one vertex has no
-/// descriptor of its own here: it is made when it is looked at.
+/// Tells which collapses are alike by the descriptors of the regions that they make, and which regions correspond. A
+/// region of one vertex has no descriptor of its own here: it is made when it is looked at.
 class SimilarRegions final : public SimilarCollapses {
  public:
-  SimilarRegions(const Descriptor& descriptor, const SimilarityOptions& options);
+  /// `classes` are those of counterpart_classes().
+  SimilarRegions(const Descriptor& descriptor, std::span<const std::uint32_t> classes,
+                 const SimilarityOptions& options);
 
   std::size_t begin(std::uint32_t a, std::uint32_t b) override;
   double dissimilarity(std::uint32_t a, std::uint32_t b) override;
   [[nodiscard]] double threshold(std::span<double> dissimilarities) const override;
   [[nodiscard]] double cost_ratio() const noexcept override { return options_.cost_ratio; }
-  [[nodiscard]] double area(std::uint32_t a, std::uint32_t b) const override {
-    return static_cast<double>(areas_[a]) + static_cast<double>(areas_[b]);
+  [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept override { return counterparts_.kind(slot); }
+  [[nodiscard]] std::span<const std::uint32_t> slots_of(std::uint64_t kind) const override {
+    return counterparts_.of(kind);
   }
-  void merged(std::uint32_t kept, std::uint32_t gone) override;
+  std::span<const std::uint32_t> merged(std::uint32_t kept, std::uint32_t gone) override;
 
  private:
   /// Writes the descriptor of the union of two slots.
@@ -35,6 +39,7 @@ class SimilarRegions final : public SimilarCollapses {
   }
 
   const Descriptor& descriptor_;
+  Counterparts counterparts_;
   SimilarityOptions options_;
   std::size_t width_;
   std::vector<float> rows_;           // of regions that were joined

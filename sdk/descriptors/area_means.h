@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -8,6 +9,13 @@
 #include <armature/sdk/descriptors/descriptor.h>
 
 namespace armature::sdk {
+
+/// How unlike anything is to what covers nothing.
+inline constexpr double kNothingAlike = std::numeric_limits<double>::infinity();
+/// Whether two regions, which are written with their areas first, cover something.
+[[nodiscard]] inline bool both_cover(std::span<const float> a, std::span<const float> b) noexcept {
+  return a[0] > 0 && b[0] > 0;
+}
 
 /// Descriptors of which a region's is the mean over its area. A region is written as its area and the integrals over
 /// it, which add up.

@@ -26,9 +26,12 @@ Eigen::AlignedBox3d box_of(const PointSet& points) {
 }  // namespace
 
 std::vector<double> gls_scales(const PointSet& points, std::size_t count) {
-  const double first = kSmallest * spacing(points);
-  const double last = points.positions.empty() ? 0 : kLargest * box_of(points).diagonal().norm();
-  if (!(first > 0)) return {};
+  const double apart = spacing(points);
+  if (!(apart > 0)) return {};
+  const double diagonal = box_of(points).diagonal().norm();
+  // Far outliers make the spacing of all others small beside the box.
+  const double first = std::max(kSmallest * apart, 2 * kSmallestScale * diagonal);
+  const double last = kLargest * diagonal;
   if (!(last > first) || count < 2) return {first};
   std::vector<double> scales(count);
   for (std::size_t k = 0; k < count; ++k)

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -15,10 +14,12 @@ namespace armature::sdk {
 namespace {
 
 constexpr std::size_t kParameters = 3;  // tau / t, t kappa, phi: without unit
-constexpr double kNothingAlike = std::numeric_limits<double>::infinity();
 
 std::vector<double> areas_of(const PointSet& points) {
-  return points.areas.empty() ? std::vector<double>(points.positions.size(), 1.0) : points.areas;
+  if (!points.areas.empty()) return points.areas;
+  // As on a grid of that spacing.
+  const double apart = spacing(points);
+  return std::vector<double>(points.positions.size(), apart > 0 ? apart * apart : 1.0);
 }
 
 std::array<float, kParameters> parameters(const Gls& gls, double t) {
@@ -45,7 +46,7 @@ class GlsMean final : public AreaMeans {
   using AreaMeans::AreaMeans;
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     float sum = 0;
     for (std::size_t k = 1; k < a.size(); ++k) {
       const float off = a[k] / a[0] - b[k] / b[0];
@@ -97,7 +98,7 @@ class GlsHistograms final : public Descriptor {
   }
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double limit) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     const float to_a = 1 / a[0];
     const float to_b = 1 / b[0];
     // With f the place among the bins less that between the means, Cauchy and Schwarz give (sum f (p - q))^2 <=
@@ -214,7 +215,7 @@ class GlsMerged final : public Descriptor {
   }
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double limit) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     double sum = 0;
     const auto scales = static_cast<double>(scales_.size());
     for (std::size_t j = scales_.size(); j-- > 0 && sum < limit * scales;)

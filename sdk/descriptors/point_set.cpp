@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <string>
 
-#include <Eigen/Geometry>
 #include <armature/sdk/descriptors/point_set.h>
 #include <armature/sdk/mesh/measures.h>
+
+#include "sdk/descriptors/nearest_point.h"
 
 namespace armature::sdk {
 
@@ -35,35 +34,21 @@ Expected<void> validate(const PointSet& points) {
 }
 
 double spacing(const PointSet& points) {
-  // The nearest neighbour of every 64th point, and no fewer than 1000, found along the longest axis.
-  const auto& positions = points.positions;
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : positions) box.extend(p);
-  if (positions.size() < 2) return 0;
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(positions[i][axis], i); });
-  const std::size_t step = std::clamp<std::size_t>(positions.size() / 1000, 1, 64);
+  // Places once each, so that the closest is the closest other place.
+  std::vector<Eigen::Vector3d> places = points.positions;
+  const auto less = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::ranges::lexicographical_compare(a, b);
+  };
+  std::ranges::sort(places, less);
+  places.erase(std::ranges::unique(places).begin(), places.end());
+  if (places.size() < 2) return 0;
+  // Of every 64th place, and no fewer than 1000.
+  const std::size_t step = std::clamp<std::size_t>(places.size() / 1000, 1, 64);
+  const NearestPoint tree(places);
   std::vector<double> nearest;
-  for (std::size_t i = 0; i < order.size(); i += step) {
-    const Eigen::Vector3d& p = positions[order[i]];
-    double best = std::numeric_limits<double>::infinity();
-    // True once everything further on lies too far away.
-    const auto look = [&](std::size_t k) {
-      const Eigen::Vector3d off = positions[order[k]] - p;
-      const double d2 = off.squaredNorm();
-      if (d2 > 0) best = std::min(best, d2);
-      return off[axis] * off[axis] > best;
-    };
-    for (std::size_t k = i; k-- > 0 && !look(k);) {
-    }
-    for (std::size_t k = i + 1; k < order.size() && !look(k); ++k) {
-    }
-    if (std::isfinite(best)) nearest.push_back(std::sqrt(best));
-  }
-  if (nearest.empty()) return 0;
+  for (std::size_t i = 0; i < places.size(); i += step)
+    nearest.push_back(std::sqrt(
+        tree.find(places[i], std::numeric_limits<double>::infinity(), static_cast<std::uint32_t>(i)).distance2));
   const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
   std::ranges::nth_element(nearest, middle);
   return *middle;

@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -12,15 +11,13 @@
 namespace armature::sdk {
 namespace {
 
-constexpr double kNothingAlike = std::numeric_limits<double>::infinity();
-
 /// The integral of n n', as xx, yy, zz, xy, xz, yz; what it has of the planes' quadric is the same anywhere.
 class Quadrics final : public AreaMeans {
  public:
   using AreaMeans::AreaMeans;
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     const Eigen::Vector2f off = smallest(a) - smallest(b);
     return 2 * static_cast<double>(off.norm());  // they lie in a triangle half a unit across
   }
@@ -41,7 +38,7 @@ class MeanHistograms final : public AreaMeans {
   using AreaMeans::AreaMeans;
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     double sum = 0;
     for (std::size_t k = 1; k < a.size(); ++k) {
       const float x = a[k] / a[0];

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 
 #include <armature/sdk/descriptors/descriptors.h>
@@ -14,15 +13,13 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-constexpr double kNothingAlike = std::numeric_limits<double>::infinity();
-
 /// Unlike by the mean of |a - b| / (a + b), in [0, 1].
 class Signature final : public AreaMeans {
  public:
   using AreaMeans::AreaMeans;
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     double sum = 0;
     for (std::size_t k = 1; k < a.size(); ++k) {
       const float x = a[k] / a[0];
@@ -39,7 +36,7 @@ class Direction final : public AreaMeans {
   using AreaMeans::AreaMeans;
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
                                      double) const noexcept override {
-    if (!(a[0] > 0 && b[0] > 0)) return kNothingAlike;
+    if (!both_cover(a, b)) return kNothingAlike;
     double apart = 0, x2 = 0, y2 = 0;
     for (std::size_t k = 1; k < a.size(); ++k) {
       const auto x = static_cast<double>(a[k] / a[0]);
@@ -52,9 +49,10 @@ class Direction final : public AreaMeans {
   }
 };
 
-/// The first value that is not of a constant function; the values before belong to components.
-double first_positive(const Spectrum& spectrum) {
-  const double none = 1e-8 * spectrum.values[spectrum.values.size() - 1];
+/// The first value that is not of a constant function, of which every component has one; 0 if there is none.
+double first_positive(const Spectrum& spectrum, const Laplacian& laplacian) {
+  // Beside what Weyl's law expects of the highest, which is not 0 even if all are.
+  const double none = 1e-8 * 4 * std::numbers::pi * static_cast<double>(spectrum.values.size()) / laplacian.mass.sum();
   for (const double value : spectrum.values)
     if (value > none) return value;
   return 0;
@@ -78,7 +76,7 @@ std::vector<float> squares(const Spectrum& spectrum, const Eigen::MatrixXd& weig
 std::unique_ptr<Descriptor> heat_kernel_signature(const Spectrum& spectrum, const Laplacian& laplacian) {
   constexpr Index kTimes = 16;
   const double top = spectrum.values[spectrum.values.size() - 1];
-  const double low = first_positive(spectrum);
+  const double low = first_positive(spectrum, laplacian);
   Eigen::MatrixXd weights(spectrum.values.size(), kTimes);
   for (Index j = 0; j < kTimes; ++j) {
     const double at = static_cast<double>(j) / (kTimes - 1);
@@ -95,7 +93,7 @@ std::unique_ptr<Descriptor> scale_invariant_heat_kernel_signature(const Spectrum
   constexpr Index kTimes = 96;
   constexpr std::size_t kFrequencies = 12;
   const double top = spectrum.values[spectrum.values.size() - 1];
-  const double low = first_positive(spectrum);
+  const double low = first_positive(spectrum, laplacian);
   const Index n = spectrum.functions.rows();
   Eigen::MatrixXd weights(spectrum.values.size(), kTimes);
   for (Index j = 0; j < kTimes; ++j) {
@@ -123,7 +121,7 @@ std::unique_ptr<Descriptor> scale_invariant_heat_kernel_signature(const Spectrum
 std::unique_ptr<Descriptor> wave_kernel_signature(const Spectrum& spectrum, const Laplacian& laplacian) {
   constexpr Index kEnergies = 32;
   constexpr double kVariance = 7;  // in steps of energy
-  const double low = first_positive(spectrum);
+  const double low = first_positive(spectrum, laplacian);
   const Index k = spectrum.values.size();
   const double first = low > 0 ? std::log(low) : 0;
   const double last = low > 0 ? std::log(spectrum.values[k - 1]) / 1.02 + (1 - 1 / 1.02) * first : 0;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -66,6 +67,35 @@ void scatter(Eigen::Ref<MatrixXd> columns, std::uint64_t seed) {
   }
 }
 
+/// Of every part that hangs together the function that is constant on it, times the root of mass: what L takes to 0. An
+/// orthonormal column each, for `most` parts.
+MatrixXd constants_of(const Laplacian& laplacian, const VectorXd& root_mass, Index most) {
+  const Index n = root_mass.size();
+  std::vector<Index> parent(static_cast<std::size_t>(n));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index v) {
+    const auto up = [&](Index u) -> Index& { return parent[static_cast<std::size_t>(u)]; };
+    while (up(v) != v) v = up(v) = up(up(v));
+    return v;
+  };
+  for (Index v = 0; v < n; ++v)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(laplacian.stiffness, v); it; ++it)
+      if (it.value() != 0)
+        parent[static_cast<std::size_t>(std::max(root(v), root(it.row())))] = std::min(root(v), root(it.row()));
+  std::vector<Index> column(static_cast<std::size_t>(n), -1);
+  Index count = 0;
+  MatrixXd constants = MatrixXd::Zero(n, most);
+  for (Index v = 0; v < n; ++v) {
+    if (!(root_mass[v] > 0)) continue;
+    Index& k = column[static_cast<std::size_t>(root(v))];
+    if (k < 0) k = count++;
+    if (k < most) constants(v, k) = root_mass[v];
+  }
+  constants = constants.leftCols(std::min(count, most)).eval();
+  constants.colwise().normalize();
+  return constants;
+}
+
 /// Makes the columns of w orthonormal, and to those of q, which they are nearly; `before` is how long they were before
 /// q was taken out. Where nothing new is left of a column it becomes a random one.
 void orthonormalise(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const VectorXd& before,
@@ -128,13 +158,18 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   const Index most = std::min(live, at_most_live(options.most) * count + 2 * kBlock);
   MatrixXd q(n, most);
   MatrixXd projected = MatrixXd::Zero(most, most);
-  Index size = 0;
-  Index width = std::min(kBlock, most);
+  // Constants are known, and as many as components: blocks would miss some of more than their width.
+  const MatrixXd constants = constants_of(laplacian, root_mass, std::min(count, most - 1));
+  Index size = constants.cols();
+  q.leftCols(size) = constants;
+  projected.diagonal().head(size).setConstant(1 / sigma);
+  Index width = std::min(kBlock, most - size);
   MatrixXd w(n, width);
   scatter(w, 0);
   w.array().colwise() *= root_mass.array();
   Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
-  VectorXd before = VectorXd::Ones(width);
+  VectorXd before = w.colwise().norm();
+  subtract(w, constants, dot(constants, w));
   MatrixXd left;  // by wanted pair: what A q leaves outside of all directions, of w
   while (true) {
     orthonormalise(w, q.leftCols(size), before, root_mass);

@@ -105,7 +105,7 @@ Mesh with_regions(const Mesh& mesh, std::span<const EditRegion> regions, std::sp
   const bool colours = !edited.front().vertex_colours.empty();
   if (colours) {
     result.face_colours.clear();
-    if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), Colour{214, 214, 210});
+    if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), kPlainColour);
   }
   std::vector<bool> done(mesh.positions.size(), false);
   for (std::size_t k = 0; k < regions.size(); ++k)

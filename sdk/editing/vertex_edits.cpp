@@ -10,7 +10,6 @@ namespace armature::sdk {
 namespace {
 
 constexpr double kHeld = 1e-3;
-constexpr Colour kPale = {214, 214, 210};
 
 Expected<void> one_a_vertex(const Mesh& mesh, std::span<const double> weights) {
   if (weights.size() == mesh.positions.size()) return {};
@@ -86,7 +85,7 @@ Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const 
   if (auto fits = one_a_vertex(mesh, weights); !fits) return tl::unexpected(fits.error());
   Mesh result = mesh;
   result.face_colours.clear();
-  if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), kPale);
+  if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), kPlainColour);
   for (std::size_t v = 0; v < weights.size(); ++v)
     for (std::size_t k = 0; k < colour.size(); ++k) {
       auto& own = result.vertex_colours[v][k];

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -41,10 +40,13 @@ class SimilarCollapses {
   [[nodiscard]] virtual double threshold(std::span<double> dissimilarities) const = 0;
   /// The most that a collapse may cost, as a multiple of the reference.
   [[nodiscard]] virtual double cost_ratio() const noexcept = 0;
-  /// The area of the union of two slots.
-  [[nodiscard]] virtual double area(std::uint32_t a, std::uint32_t b) const = 0;
-  /// Two slots became one.
-  virtual void merged(std::uint32_t kept, std::uint32_t gone) = 0;
+  /// What a slot corresponds to: slots of the same kind do. 0 for what has no counterpart.
+  [[nodiscard]] virtual std::uint64_t kind(std::uint32_t slot) const noexcept = 0;
+  /// The slots of a kind other than 0.
+  [[nodiscard]] virtual std::span<const std::uint32_t> slots_of(std::uint64_t kind) const = 0;
+  /// Two slots became one. Returns slots of another kind that hold what corresponds to something in it; valid until the
+  /// next call.
+  virtual std::span<const std::uint32_t> merged(std::uint32_t kept, std::uint32_t gone) = 0;
 };
 
 /// Collapses edges in the order of what they cost by a metric, which offers
@@ -58,7 +60,8 @@ class SimilarCollapses {
 ///
 /// With `similar`, a step collapses the cheapest edge and those like it, as far as they are independent: no end of one
 /// is an end or a neighbour of an end of another. Like regions cost alike, so the queue itself is the structure that
-/// finds them: only what stands near its head is looked at.
+/// finds them: only what stands near its head is looked at. Edges whose ends correspond go together or not at all, when
+/// the dearest of them is due; `similar_steps.h` holds how.
 template <class Metric>
 class Decimation {
  public:
@@ -89,13 +92,32 @@ class Decimation {
 
  private:
   using Fit = decltype(std::declval<const Metric&>().fit(0, 0));
-  /// A collapse that may be done now; its edge is not in the queue.
+  /// A collapse that may be done now.
   struct Ready {
     std::uint32_t edge = kNoIndex;
     Fit fit = {};
+  };
+  /// Collapses of edges whose ends correspond, in `ready_`.
+  struct Group {
+    std::size_t first = 0, count = 0;
     double dissimilarity = 0;
-    double area = 0;
-    enum class State : std::uint8_t { Open, Chosen, Left } state = State::Open;
+    bool chosen = false;
+  };
+
+  /// Slots that are marked until the next round.
+  struct Marks {
+    std::vector<std::uint32_t> rounds;  // by slot: the last round in which it was marked
+    std::uint32_t round = 0;
+
+    void next(std::size_t slots) {
+      rounds.resize(slots, 0);
+      ++round;
+    }
+    [[nodiscard]] bool either(const CollapseComplex::Pair& slots) const noexcept {
+      return rounds[slots[0]] == round || rounds[slots[1]] == round;
+    }
+    /// Marks the ends of an edge and all that they are joined to.
+    void around(const CollapseComplex& complex, std::uint32_t edge);
   };
 
   // Keys are costs as floats, whose bits are in the order of their values; what would turn triangles over comes after
@@ -103,12 +125,15 @@ class Decimation {
   static constexpr std::uint32_t kPenalty = 0x8000'0000U;
   static constexpr std::uint32_t kForbidden = 0x7F80'0000U;  // infinity
   static constexpr std::uint32_t kNever = 0xFFFF'FFFFU;
-  static constexpr double kSame = 0.25, kSameArea = 1e-5;  // relative: how unlike copies are turned, and rounding
-  static constexpr std::size_t kMostCopies = 32;
+  // What has no counterpart yet, or touches it, waits until it has cost so many times.
+  static constexpr double kPatience = 4;
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {
     kStale = 1,  // its ends have changed since its cost was found
     kWaits = 2,  // not in the queue until something changes nearby
+    kTaken = 4,  // in a group of this step
+    kOut = 8,    // so, and no longer in the queue
+    kAlone = 16  // has waited for counterparts in vain
   };
 
   [[nodiscard]] static std::uint32_t key_of(double cost) noexcept {
@@ -121,19 +146,26 @@ class Decimation {
   bool take(std::uint32_t most, Ready& ready);
   /// Fills `ready_` with the cheapest collapse and those that are done with it, at most so many.
   bool take_similar(std::uint32_t most);
+  /// Appends the group of the cheapest collapse, unless its key is above `most`; false if there is none.
+  bool take_group(std::uint32_t most);
+  /// Appends what the last step left of its first group.
+  bool take_rest();
+  /// Has slots joined next that together become what corresponds to one that was just made.
+  void catch_up(std::uint32_t slot, std::span<const std::uint32_t> behind);
+  /// Appends to `ready_` the collapses of all edges between slots of two kinds, but one edge; whether each of those
+  /// slots has one.
+  bool gather(std::uint64_t a, std::uint64_t b, std::uint32_t but);
+  /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done.
+  bool evaluate(std::uint32_t edge, Ready& ready);
+  /// Closes the group that begins at a place of `ready_`.
+  void close_group(std::size_t first);
+  /// Chooses a group if all of it is independent, and of one another.
+  void choose_whole(Group& group, std::uint32_t& most);
+  void give_back(const Group& group);
   [[nodiscard]] std::uint32_t dearest(std::uint32_t key) const noexcept;
-  [[nodiscard]] bool independent(std::uint32_t edge) const noexcept {
-    const auto [a, b] = complex_.edge(edge);
-    return reserved_[a] != round_ && reserved_[b] != round_;
-  }
-  void reserve(std::uint32_t edge);
-  [[nodiscard]] bool touch(std::uint32_t edge, std::uint32_t other) const noexcept;
-  /// What costs so much more that it cannot be a copy of what has a key.
-  [[nodiscard]] std::uint32_t past_copies(std::uint32_t key) const noexcept {
-    return key_of(static_cast<double>(std::bit_cast<float>(key & ~kPenalty)) * (1 + kSame)) | (key & kPenalty);
-  }
-  /// Finds the copies of `ready_[first]` that follow it: what costs and covers the same.
-  void find_copies(std::size_t first);
+  [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
+  /// Whether none of them is near another.
+  [[nodiscard]] bool apart(std::span<const Ready> members);
   CollapseComplex::Merged perform(Ready& ready);
   void refresh(const CollapseComplex::Merged& merged);
   void wake(std::uint32_t edge) {
@@ -149,10 +181,11 @@ class Decimation {
   CollapseQueue queue_;  // what does not match its edge's key is void
   SimilarCollapses* similar_;
   std::vector<Ready> ready_;
+  std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
-  std::vector<std::size_t> by_area_, copies_;  // places in ready_
-  std::vector<std::uint32_t> reserved_;        // by slot: the last round in which it was near a chosen collapse
-  std::uint32_t round_ = 0;
+  std::vector<CollapseComplex::Pair> rest_;  // of the last step's first group: slots
+  Marks reserved_;                           // near a chosen collapse
+  Marks near_;                               // of apart()
   std::vector<std::uint32_t> steps_;
 };
 
@@ -178,7 +211,7 @@ bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Ve
 template <class Metric>
 void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
   for (const auto e : merged.edges) {
-    complex_.note(e) |= kStale;
+    complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | kStale) & ~kAlone);
     if ((complex_.key(e) & kPenalty) != 0) {
       complex_.key(e) &= ~kPenalty;
       queue_.push(entry(e));
@@ -198,12 +231,17 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       queue_.pop();
       continue;
     }
+    if ((complex_.note(edge) & kTaken) != 0) {
+      complex_.note(edge) |= kOut;
+      queue_.pop();
+      continue;
+    }
     if (key > most) return false;
     const auto [a, b] = complex_.edge(edge);
     ready.edge = edge;
     ready.fit = metric_.fit(a, b);
     if ((complex_.note(edge) & kStale) != 0) {
-      complex_.note(edge) = 0;
+      complex_.note(edge) &= static_cast<std::uint8_t>(~kStale);
       complex_.key(edge) = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
       if (complex_.key(edge) >= kForbidden) {
         queue_.pop();
@@ -213,7 +251,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       if (queue_.top() != entry(edge)) continue;
     }
     if (options_.keep_topology && !complex_.keeps_topology(edge)) {
-      complex_.note(edge) = kWaits;
+      complex_.note(edge) |= kWaits;
       queue_.pop();
       continue;
     }
@@ -230,120 +268,15 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
 }
 
 template <class Metric>
-std::uint32_t Decimation<Metric>::dearest(std::uint32_t key) const noexcept {
-  // Of unit area and diagonal: what moves the surface by less than a millionth is nothing.
-  constexpr double kNothing = 1e-12;
-  const std::uint32_t penalty = key & kPenalty;
-  const auto cost = static_cast<double>(std::bit_cast<float>(key & ~kPenalty));
-  return key_of(std::max(kNothing, similar_->cost_ratio() * cost)) | penalty;
-}
-
-template <class Metric>
-void Decimation<Metric>::reserve(std::uint32_t edge) {
-  for (const auto end : complex_.edge(edge)) {
-    reserved_[end] = round_;
-    for (const auto e : complex_.edges_of(end))
-      for (const auto near : complex_.edge(e)) reserved_[near] = round_;
-  }
-}
-
-template <class Metric>
-bool Decimation<Metric>::touch(std::uint32_t edge, std::uint32_t other) const noexcept {
-  for (const auto a : complex_.edge(edge))
-    for (const auto b : complex_.edge(other))
-      if (a == b || complex_.joined(a, b)) return true;
-  return false;
-}
-
-template <class Metric>
-void Decimation<Metric>::find_copies(std::size_t first) {
-  const std::uint32_t past = past_copies(complex_.key(ready_[first].edge));
-  const double area = ready_[first].area;
-  copies_.assign(1, first);
-  const auto area_of = [&](std::size_t k) { return ready_[k].area; };
-  for (auto at = std::ranges::lower_bound(by_area_, (1 - kSameArea) * area, {}, area_of);
-       at != by_area_.end() && area_of(*at) <= (1 + kSameArea) * area && copies_.size() < kMostCopies; ++at)
-    if (*at > first && ready_[*at].state == Ready::State::Open && complex_.key(ready_[*at].edge) <= past)
-      copies_.push_back(*at);
-}
-
-template <class Metric>
-bool Decimation<Metric>::take_similar(std::uint32_t most) {
-  ready_.resize(1);
-  ready_[0].state = Ready::State::Open;
-  if (!take(kNever, ready_[0])) return false;
-  const auto [a, b] = complex_.edge(ready_[0].edge);
-  ready_[0].area = similar_->area(a, b);
-  reserved_.resize(complex_.slot_count(), 0);
-  ++round_;
-  reserve(ready_[0].edge);
-
-  // What may come along, by what it costs.
-  const std::size_t looks = similar_->begin(a, b);
-  const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
-  dissimilarities_.clear();
-  const auto look = [&](std::uint32_t at_most) {
-    Ready next;
-    if (!take(at_most, next)) return false;
-    const auto [u, v] = complex_.edge(next.edge);
-    next.area = similar_->area(u, v);
-    next.dissimilarity = independent(next.edge) ? similar_->dissimilarity(u, v) : kUnlike;
-    if (next.dissimilarity < kUnlike) dissimilarities_.push_back(next.dissimilarity);
-    ready_.push_back(next);
-    return true;
-  };
-  while (ready_.size() <= looks && look(dear)) {
-  }
-
-  by_area_.resize(ready_.size());
-  std::iota(by_area_.begin(), by_area_.end(), std::size_t{0});
-  std::ranges::sort(by_area_, {}, [&](std::size_t k) { return std::pair(ready_[k].area, k); });
-
-  // Copies come along together or not at all, so that what is alike stays alike.
-  const double below = similar_->threshold(dissimilarities_);
-  const auto choose = [&](Ready& ready) {
-    ready.state = Ready::State::Chosen;
-    reserve(ready.edge);
-    --most;
-  };
-  choose(ready_[0]);
-  find_copies(0);
-  for (const std::size_t k : copies_)
-    if (k > 0 && most > 0 && independent(ready_[k].edge)) choose(ready_[k]);
-  for (std::size_t first = 1; first < ready_.size(); ++first) {
-    if (ready_[first].state != Ready::State::Open) continue;
-    find_copies(first);
-    bool come = copies_.size() <= most;
-    double least = kUnlike;
-    for (std::size_t i = 0; i < copies_.size() && come; ++i) {
-      const Ready& copy = ready_[copies_[i]];
-      least = std::min(least, copy.dissimilarity);
-      come = independent(copy.edge);
-      for (std::size_t j = 0; j < i && come; ++j) come = !touch(copy.edge, ready_[copies_[j]].edge);
-    }
-    come = come && least < below;
-    for (const std::size_t k : copies_) {
-      if (come) {
-        choose(ready_[k]);
-      } else {
-        ready_[k].state = Ready::State::Left;
-      }
-    }
-  }
-  const auto left = std::stable_partition(ready_.begin(), ready_.end(),
-                                          [](const Ready& ready) { return ready.state == Ready::State::Chosen; });
-  for (auto it = left; it != ready_.end(); ++it) queue_.push(entry(it->edge));
-  ready_.erase(left, ready_.end());
-  return true;
-}
-
-template <class Metric>
 CollapseComplex::Merged Decimation<Metric>::perform(Ready& ready) {
   const auto [a, b] = complex_.edge(ready.edge);
   const auto merged = complex_.collapse(ready.edge);
   if (merged.slot != a) ready.fit.centre() += metric_.position(a) - metric_.position(b);
   metric_.merge(merged.slot, merged.gone, ready.fit);
   refresh(merged);
+  for (auto& pair : rest_)
+    for (auto& slot : pair)
+      if (slot == merged.gone) slot = merged.slot;
   return merged;
 }
 
@@ -356,7 +289,7 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
          (similar_ == nullptr ? take(kNever, ready_[0]) : take_similar(first + count - complex_.steps()))) {
     for (Ready& ready : ready_) {
       const auto merged = perform(ready);
-      if (similar_ != nullptr) similar_->merged(merged.slot, merged.gone);
+      if (similar_ != nullptr) catch_up(merged.slot, similar_->merged(merged.slot, merged.gone));
       done(merged.slot, merged.gone);
       if ((complex_.steps() & 1023U) == 0) {
         if (task.stopped()) return false;
@@ -369,3 +302,5 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
 }
 
 }  // namespace armature::sdk
+
+#include "sdk/hierarchy/similar_steps.h"

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/decimation/similar_decimation.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/hierarchy/level_cursor.h>
@@ -32,8 +34,14 @@ TEST(SimilarDecimation, OfThresholdZeroIsThePlainHierarchyBitByBit) {
     const auto plain = build_hierarchy(mesh);
     ASSERT_TRUE(plain);
     const std::string bytes = encode_hierarchy(plain->hierarchy);
-    for (const auto descriptor : kAll)
+    for (const auto descriptor : kAll) {
       EXPECT_EQ(encode_hierarchy(similar_of(mesh, {.descriptor = descriptor, .threshold = 0})), bytes);
+      const auto made = region_descriptor(mesh, {.descriptor = descriptor});
+      ASSERT_TRUE(made);
+      const auto similar = build_similar_hierarchy(mesh, **made, {}, {.descriptor = descriptor, .threshold = 0});
+      ASSERT_TRUE(similar);
+      EXPECT_EQ(encode_hierarchy(similar->hierarchy), bytes);
+    }
   }
 }
 
@@ -74,9 +82,57 @@ double evenness(const Hierarchy& h, std::size_t most_spheres) {
   return static_cast<double>(even) / static_cast<double>(levels);
 }
 
-TEST(SimilarDecimation, KeepsTwinsMoreAlikeThanThePlainOne) {
-  const Mesh mesh = bent();
-  EXPECT_GT(evenness(similar_of(mesh), 400), 1.2 * evenness(similar_of(mesh, {.threshold = 0}), 400));
+/// A torus and another that is turned, and mirrored if `sign` is -1, beside it.
+Mesh twins(double sign) {
+  const Mesh one = surfaces::torus(2, 0.7, 40, 16, 0.3);
+  Mesh other = sign < 0 ? surfaces::inside_out(one) : one;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  for (auto& p : other.positions) p = turn * Eigen::Vector3d(sign * p.x(), p.y(), p.z()) + Eigen::Vector3d(6, 1, 0);
+  return surfaces::together(one, other);
+}
+
+TEST(SimilarDecimation, SimplifiesTwinsInStep) {
+  for (const Mesh& mesh : {bent(), twins(1), twins(-1)}) {
+    for (const std::size_t most : {std::size_t{400}, mesh.positions.size()}) {
+      EXPECT_GE(evenness(similar_of(mesh), most), 0.9);
+      EXPECT_LT(evenness(similar_of(mesh, {.threshold = 0}), most), 0.5);
+    }
+  }
+}
+
+TEST(SimilarDecimation, KeepsAMirroredShapeEven) {
+  // A ball with bumps anywhere on one half and their mirror images on the other.
+  Mesh mesh = ball(4);
+  for (Eigen::Vector3d& p : mesh.positions) {
+    const Eigen::Vector3d q(std::abs(p.x()), p.y(), p.z());
+    double reach = 1 + 0.2 * q.y();
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3d bump(std::abs(std::sin(3.0 * k + 1)), std::sin(5.0 * k), std::cos(7.0 * k));
+      reach += (0.2 + 0.1 * k) * std::exp(-(q - bump.normalized()).squaredNorm() / 0.05);
+    }
+    p *= reach;
+  }
+  const auto share = [&](const Hierarchy& h) {
+    std::size_t even = 0;
+    std::size_t levels = 0;
+    for (std::size_t step = 1; step <= h.step_count() && h.spheres_after(step) > 8; ++step) {
+      if (h.spheres_after(step) > 200) continue;
+      std::array<std::size_t, 2> count{};
+      for (const NodeId node : h.nodes_of_level(h.spheres_after(step))) {
+        std::array<std::size_t, 2> vertices{};
+        for (const VertexId v : h.vertices(node)) {
+          const double x = mesh.position(v).x();
+          if (std::abs(x) > 1e-9) ++vertices[x > 0 ? 0 : 1];
+        }
+        if (vertices[0] != vertices[1]) ++count[vertices[0] > vertices[1] ? 0 : 1];
+      }
+      ++levels;
+      even += count[0] == count[1] ? 1U : 0U;
+    }
+    return static_cast<double>(even) / static_cast<double>(levels);
+  };
+  EXPECT_GE(share(similar_of(mesh)), 0.9);
+  EXPECT_LT(share(similar_of(mesh, {.threshold = 0})), 0.5);
 }
 
 TEST(SimilarDecimation, IsNavigableAndKeepsItsStepsInAFile) {

@@ -3,6 +3,7 @@
 #include <random>
 
 #include <Eigen/Geometry>
+#include <armature/sdk/descriptors/descriptors.h>
 #include <armature/sdk/descriptors/gls.h>
 #include <armature/sdk/mesh/measures.h>
 #include <gtest/gtest.h>
@@ -208,6 +209,50 @@ TEST(Gls, LeavesOutVerticesOnNoFace) {
   ASSERT_TRUE(all);
   EXPECT_EQ(all->back().phi, 0);  // nothing within reach
   EXPECT_EQ(all->back().kappa, 0);
+}
+
+TEST(GlsScales, AreNoneThatBuildRefuses) {
+  // Two outliers make the box a million times as large as what the points spread over.
+  PointSet points = point_set_of(surfaces::icosphere(3));
+  for (const double x : {-1e9, 1e9}) {
+    points.positions.emplace_back(x, 0, 0);
+    points.normals.emplace_back(1, 0, 0);
+    points.areas.push_back(1);
+  }
+  EXPECT_TRUE(GrowingLeastSquares::build(points));
+}
+
+TEST(Spacing, OfADenseCapTakesNoLonger) {
+  // Many points that differ along the shorter axes alone, and many at one place: looking along the longest axis, as was
+  // done, would hold every point against every other.
+  PointSet points;
+  for (int k = 0; k < 300'000; ++k) {
+    const double a = 2.399963 * k;
+    points.positions.emplace_back(k % 2 * 10.0, 1e-3 * std::sqrt(k) * std::cos(a), 1e-3 * std::sqrt(k) * std::sin(a));
+    points.positions.emplace_back(0, 0, 0);
+  }
+  EXPECT_NEAR(spacing(points), 2e-3, 1e-3);
+  EXPECT_EQ(spacing({.positions = {{1, 1, 1}, {1, 1, 1}}}), 0);
+}
+
+TEST(PointSets, WithoutAreasAreDescribedAsWithEqualOnes) {
+  // In whatever unit.
+  PointSet points = point_set_of(surfaces::icosphere(4, 100));
+  const double apart = spacing(points);
+  PointSet equal = points;
+  points.areas.clear();
+  equal.areas.assign(points.positions.size(), apart * apart);
+  for (const auto aggregation : {GlsAggregation::ScaledHistograms, GlsAggregation::Mean}) {
+    const auto a = gls_descriptor(*GrowingLeastSquares::build(points), aggregation);
+    const auto b = gls_descriptor(*GrowingLeastSquares::build(equal), aggregation);
+    ASSERT_TRUE(a && b);
+    std::vector<float> x((*a)->width());
+    std::vector<float> y((*b)->width());
+    (*a)->describe(VertexId(7), x);
+    (*b)->describe(VertexId(7), y);
+    EXPECT_EQ(x[0], y[0]);
+    EXPECT_NEAR((*a)->dissimilarity(x, y, 1), 0, 1e-6);
+  }
 }
 
 }  // namespace

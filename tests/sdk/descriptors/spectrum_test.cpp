@@ -77,7 +77,8 @@ TEST(Spectrum, IsTheSameOnOneThread) {
 }
 
 TEST(Signatures, StayTheSameUnderIsometriesWithinTheDiscretisation) {
-  // Rolled up, chords are shorter than arcs by about h^2 / 24: 5e-5 of their length at 60 cells.
+  // Rolled up, chords are shorter than arcs by about h^2 / 24: 1.2e-5 of their length at 60 cells, 2.6e-5 where cells
+  // are widest; eigenvalues rise by twice that at most, and exp(-t lambda), t lambda being 9.2 or less, by 5e-4.
   const Mesh flat = sheet(60, false);
   const Mesh rolled = sheet(60, true);
   const Laplacian of_flat = laplacian_of(flat);
@@ -98,8 +99,26 @@ TEST(Signatures, StayTheSameUnderIsometriesWithinTheDiscretisation) {
       here->describe(VertexId(0), y);
       usual += here->dissimilarity(x, y, 1) / static_cast<double>(flat.positions.size());
     }
-    EXPECT_LT(worst, 0.005);
+    EXPECT_LT(worst, 5e-4);
     EXPECT_GT(usual, 20 * worst);  // against how unlike other places are
+  }
+}
+
+TEST(Signatures, TellHowLargeComponentsAreWhereASpectrumHoldsNothingElse) {
+  Mesh mesh;
+  for (int k = 0; k < 12; ++k)
+    mesh = surfaces::together(std::move(mesh), surfaces::moved(surfaces::cube(), {3.0 * k, 0, 0}, k < 6 ? 1 : 0.5));
+  const Laplacian l = laplacian_of(mesh);
+  const Spectrum s = spectrum_of(mesh, {.count = 12});
+  EXPECT_NEAR(s.values.maxCoeff(), 0, 1e-9);
+  for (const auto& signature : {heat_kernel_signature, wave_kernel_signature, scale_invariant_heat_kernel_signature}) {
+    const auto found = signature(s, l);
+    std::vector<float> first(found->width());
+    std::vector<float> like(found->width());
+    found->describe(VertexId(0), first);
+    found->describe(VertexId(9), like);
+    EXPECT_NEAR(found->dissimilarity(first, like, 1), 0, 1e-6);
+    for (const float x : first) EXPECT_TRUE(std::isfinite(x));
   }
 }
 

@@ -1,16 +1,21 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/decimation/similar_decimation.h>
 #include <armature/sdk/distance/measure.h>
 #include <armature/sdk/io/read_mesh.h>
+#include <armature/sdk/mesh/measures.h>
 #include <fmt/format.h>
 
 #include "tools/commands/bench/bench.h"
@@ -30,6 +35,7 @@ struct DecimateBenchOptions {
   std::vector<std::string> only;
   int rounds = 3;
   double threshold = sdk::SimilarityOptions{}.threshold;
+  bool adaptive = false;
   bool json = false;
 };
 
@@ -47,39 +53,103 @@ Condensation condensation_of(const sdk::Hierarchy& hierarchy) {
   return {times(hierarchy.collapse_count(), hierarchy.step_count()), times(few - hierarchy.min_spheres(), steps)};
 }
 
-/// The share of levels at which equal copies, whose vertices follow one another, have the same number of spheres: of
-/// all down to the last at which no sphere belongs to two, and of those with at most so many spheres a copy.
+constexpr std::uint32_t kNoSide = 0xFFFF'FFFF;
+
+/// Sides of a mesh that should be simplified alike: copies in it, or the halves of what is symmetric.
+struct Sided {
+  std::string name;
+  sdk::Mesh mesh = {};
+  std::vector<std::uint32_t> side = {};  ///< by vertex; kNoSide for what is on a plane of symmetry
+  std::size_t sides = 2;
+  bool may_mix = false;  ///< spheres may belong to two sides; else levels at which one does no longer count
+};
+
+/// The share of levels, down to one sphere a side, at which all sides have the same number of spheres: of all, and of
+/// those with at most so many spheres a side.
 struct Evenness {
   double all = 0, below = 0;
 };
-Evenness evenness_of(const sdk::Hierarchy& hierarchy, std::size_t copies) {
-  const std::size_t each = hierarchy.leaf_count() / copies;
-  std::vector<std::size_t> left(copies, each);
-  std::vector<std::size_t> copy_of(hierarchy.node_count());
-  for (std::size_t v = 0; v < hierarchy.leaf_count(); ++v) copy_of[v] = v / each;
+Evenness evenness_of(const sdk::Hierarchy& hierarchy, const Sided& model) {
+  std::vector<std::uint32_t> side(model.side);
+  std::vector<std::size_t> left(model.sides, 0);
+  for (const auto k : side)
+    if (k != kNoSide) ++left[k];
+  side.resize(hierarchy.node_count());
   std::array<std::size_t, 2> even{};
   std::array<std::size_t, 2> levels{};
   std::size_t node = hierarchy.leaf_count();
-  for (std::size_t k = 1; k <= hierarchy.step_count(); ++k) {
-    for (; node < hierarchy.leaf_count() + (hierarchy.leaf_count() - hierarchy.spheres_after(k)); ++node) {
+  bool goes_on = true;
+  for (std::size_t k = 1; k <= hierarchy.step_count() && goes_on; ++k) {
+    for (; node < 2 * hierarchy.leaf_count() - hierarchy.spheres_after(k); ++node) {
       const auto [a, b] = hierarchy.children(sdk::NodeId(node));
-      if (copy_of[a.index()] != copy_of[b.index()]) {
-        const auto share = [&](std::size_t i) {
-          return levels[i] == 0 ? 0.0 : static_cast<double>(even[i]) / static_cast<double>(levels[i]);
-        };
-        return {share(0), share(1)};
-      }
-      copy_of[node] = copy_of[a.index()];
-      --left[copy_of[node]];
+      const std::array sides = {side[a.index()], side[b.index()]};
+      goes_on = goes_on && (sides[0] == sides[1] || model.may_mix);
+      side[node] = sides[0] == sides[1] ? sides[0] : kNoSide;
+      for (const auto s : sides)
+        if (s != kNoSide) --left[s];
+      if (side[node] != kNoSide) ++left[side[node]];
     }
+    goes_on = goes_on && std::ranges::all_of(left, [](std::size_t n) { return n > 0; });
+    if (!goes_on) break;
     const bool same = std::ranges::all_of(left, [&](std::size_t n) { return n == left.front(); });
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
-      if (i == 1 && hierarchy.spheres_after(k) > kFew * copies) continue;
+      if (i == 1 && hierarchy.spheres_after(k) > kFew * model.sides) continue;
       ++levels[i];
       even[i] += same ? 1U : 0U;
     }
   }
-  return {};
+  const auto share = [&](std::size_t i) {
+    return levels[i] == 0 ? 0.0 : static_cast<double>(even[i]) / static_cast<double>(levels[i]);
+  };
+  return {share(0), share(1)};
+}
+
+Sided copies_of(const sdk::Mesh& model, const std::string& name, const PlantOptions& options) {
+  const std::vector<sdk::FaceId> region = {sdk::FaceId(0)};
+  const std::size_t sides = options.copies + 1;
+  Sided result{.name = fmt::format("{} copies of {}", sides, name),
+               .mesh = planted_models(model, region, options).mesh,
+               .sides = sides};
+  for (std::size_t v = 0; v < result.mesh.positions.size(); ++v)
+    result.side.push_back(static_cast<std::uint32_t>(v / model.positions.size()));
+  return result;
+}
+
+/// A model and a copy of it that was triangulated otherwise.
+Expected<Sided> remeshed(const sdk::Mesh& model, const std::string& name, const sdk::Task& task) {
+  const auto other = ours(sdk::decimate_mesh(model, {.vertices = 3 * model.positions.size() / 4}, task));
+  if (!other) return tl::unexpected(other.error());
+  Sided result{.name = name + ", remeshed copy", .mesh = model};
+  const std::size_t offset = model.positions.size();
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::Vector3d there(2 * sdk::bounding_box_diagonal(model), 0, 0);
+  for (const auto& p : other->mesh.positions) result.mesh.positions.emplace_back(turn * p + there);
+  for (const auto& [a, b, c] : other->mesh.triangles)
+    result.mesh.triangles.push_back(
+        {sdk::VertexId(a.index() + offset), sdk::VertexId(b.index() + offset), sdk::VertexId(c.index() + offset)});
+  for (std::size_t v = 0; v < result.mesh.positions.size(); ++v) result.side.push_back(v < offset ? 0 : 1);
+  return result;
+}
+
+/// A creature of two halves that mirror one another.
+Sided mirrored_creature(int rounds) {
+  Sided result{.name = "mirrored creature", .mesh = creature(rounds), .may_mix = true};
+  const sdk::Mesh ball = icosphere(rounds);  // which is symmetric
+  std::map<std::array<long, 3>, std::size_t> at;
+  const auto place = [](const Eigen::Vector3d& p) {
+    return std::array{std::lround(1e6 * p.x()), std::lround(1e6 * p.y()), std::lround(1e6 * p.z())};
+  };
+  for (std::size_t v = 0; v < ball.positions.size(); ++v) at[place(ball.positions[v])] = v;
+  for (std::size_t v = 0; v < ball.positions.size(); ++v) {
+    const Eigen::Vector3d& p = ball.positions[v];
+    const auto there = place(p);
+    result.side.push_back(there[0] == 0 ? kNoSide : there[0] > 0 ? 0 : 1);
+    if (there[0] == 0) result.mesh.positions[v].x() = 0;
+    if (there[0] < 0)
+      result.mesh.positions[v] =
+          result.mesh.positions[at.at({-there[0], there[1], there[2]})].cwiseProduct(Eigen::Vector3d(-1, 1, 1));
+  }
+  return result;
 }
 
 /// The measures of chapter 6, a section each.
@@ -87,6 +157,7 @@ class DecimateBench {
  public:
   explicit DecimateBench(DecimateBenchOptions options) : options_(std::move(options)) {
     similarity_.threshold = options_.threshold;
+    similarity_.adaptive = options_.adaptive;
   }
 
   Expected<void> run() {
@@ -130,11 +201,9 @@ class DecimateBench {
         std::array<double, 2> mean{};
         const std::array both = {&plain->hierarchy, &similar->build.hierarchy};
         for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
-          const auto level = ours(both[k]->level(spheres));
-          if (!level) return tl::unexpected(level.error());
-          const auto error = ours(sdk::measure(*mesh, *level, {.samples = 20'000}, call_.task()));
+          const auto error = error_at(*mesh, *both[k], spheres);
           if (!error) return tl::unexpected(error.error());
-          mean[k] = error->mean_input_to_approximation;
+          mean[k] = *error;
         }
         json[fmt::format("error_ratio_{}", spheres)] = number(mean[1] / mean[0]);
         errors += fmt::format("  {}: {:.2f}", spheres, mean[1] / mean[0]);
@@ -151,40 +220,63 @@ class DecimateBench {
   /// Copies that are simplified alike.
   Expected<void> symmetry() {
     title(
-        "Planted copies: the share of levels at which all have the same number of spheres (goal 0.9); beside it plain");
-    for (const std::size_t copies : {2U, 4U}) {
-      for (const auto& [name, path] : {std::pair{"creature", ""}, std::pair{"vh_camel.off", "vh_camel.off"},
-                                       std::pair{"ca_ants27.off", "ca_ants27.off"}}) {
-        sdk::Mesh model = creature(4);
-        if (path[0] != '\0') {
-          if (options_.models.empty() || !std::filesystem::exists(std::filesystem::path(options_.models) / path))
-            continue;
-          auto read = ours(sdk::read_mesh(std::filesystem::path(options_.models) / path, {}, call_.task()));
-          if (!read) return tl::unexpected(read.error());
-          model = std::move(*read);
-        }
-        const std::vector<sdk::FaceId> region = {sdk::FaceId(0)};
-        const sdk::Mesh mesh = planted_models(model, region, {.copies = copies - 1}).mesh;
-        const auto plain = ours(sdk::build_hierarchy(mesh, {}, call_.task()));
-        if (!plain) return tl::unexpected(plain.error());
-        const auto similar = ours(sdk::build_similar_hierarchy(mesh, {}, similarity_, call_.task()));
-        if (!similar) return tl::unexpected(similar.error());
-        const Evenness here = evenness_of(similar->build.hierarchy, copies);
-        const Evenness there = evenness_of(plain->hierarchy, copies);
-        const std::string what = fmt::format("{} copies of {}", copies, name);
-        if (auto said = say({{"section", section_},
-                             {"name", what},
-                             {"even", number(here.all)},
-                             {"even_below_200", number(here.below)},
-                             {"plain_even", number(there.all)},
-                             {"plain_even_below_200", number(there.below)}},
-                            fmt::format("{:<28} {:.3f}, below 200 each {:.3f}; plain {:.3f}, {:.3f}", what, here.all,
-                                        here.below, there.all, there.below));
-            !said)
-          return said;
+        "Symmetry: the share of levels at which all sides have the same number of spheres (goal 0.9); beside it plain");
+    if (auto said = say_evenness(mirrored_creature(4)); !said) return said;
+    for (const auto& [name, path] : {std::pair{"creature", ""}, std::pair{"vh_camel.off", "vh_camel.off"},
+                                     std::pair{"ca_ants27.off", "ca_ants27.off"}}) {
+      sdk::Mesh model = creature(4);
+      if (path[0] != '\0') {
+        if (options_.models.empty() || !std::filesystem::exists(std::filesystem::path(options_.models) / path))
+          continue;
+        auto read = ours(sdk::read_mesh(std::filesystem::path(options_.models) / path, {}, call_.task()));
+        if (!read) return tl::unexpected(read.error());
+        model = std::move(*read);
       }
+      const std::string here = name;
+      auto other = remeshed(model, here, call_.task());
+      if (!other) return tl::unexpected(other.error());
+      for (const Sided& sided :
+           {copies_of(model, here, {.copies = 1}), copies_of(model, here, {.copies = 3}),
+            copies_of(model, here + ", mirrored", {.copies = 1, .mirrored = true}),
+            copies_of(model, here + ", noise 0.1 %", {.copies = 1, .noise_percent = 0.1}), std::move(*other)})
+        if (auto said = say_evenness(sided); !said) return said;
     }
     return {};
+  }
+
+  Expected<void> say_evenness(const Sided& model) {
+    const auto plain = ours(sdk::build_hierarchy(model.mesh, {}, call_.task()));
+    if (!plain) return tl::unexpected(plain.error());
+    const auto similar = ours(sdk::build_similar_hierarchy(model.mesh, {}, similarity_, call_.task()));
+    if (!similar) return tl::unexpected(similar.error());
+    const Evenness here = evenness_of(similar->build.hierarchy, model);
+    const Evenness there = evenness_of(plain->hierarchy, model);
+    const std::size_t spheres = 50 * model.sides;
+    std::array<double, 2> mean{};
+    const std::array both = {&plain->hierarchy, &similar->build.hierarchy};
+    for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+      const auto error = error_at(model.mesh, *both[k], spheres);
+      if (!error) return tl::unexpected(error.error());
+      mean[k] = *error;
+    }
+    return say({{"section", section_},
+                {"name", model.name},
+                {"even", number(here.all)},
+                {"even_below_200", number(here.below)},
+                {"plain_even", number(there.all)},
+                {"plain_even_below_200", number(there.below)},
+                {"error_ratio_50_a_side", number(mean[1] / mean[0])}},
+               fmt::format("{:<40} {:.3f}, below 200 each {:.3f}; plain {:.3f}, {:.3f}; M12 at 50 each {:.2f}",
+                           model.name, here.all, here.below, there.all, there.below, mean[1] / mean[0]));
+  }
+
+  /// The mean distance from a mesh to a level of its hierarchy.
+  Expected<double> error_at(const sdk::Mesh& mesh, const sdk::Hierarchy& hierarchy, std::size_t spheres) {
+    const auto level = ours(hierarchy.level(spheres));
+    if (!level) return tl::unexpected(level.error());
+    const auto error = ours(sdk::measure(mesh, *level, {.samples = 20'000}, call_.task()));
+    if (!error) return tl::unexpected(error.error());
+    return error->mean_input_to_approximation;
   }
 
   /// What it costs, from 10 thousand to a million triangles.
@@ -287,6 +379,7 @@ void add_bench_decimate(CLI::App& bench, Run& run) {
   command->add_option("--similar", options->threshold, "the threshold of histograms")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command->add_flag("--adaptive", options->adaptive, "the first gap instead of a threshold");
   command->add_option("--rounds", options->rounds, "of the growth")->check(CLI::Range(1, 100))->capture_default_str();
   command->add_flag("--json", options->json, "one JSON object a line");
   command->footer("Example:\n  armature bench decimate --only growth");

@@ -21,7 +21,7 @@
 #include <armature/sdk/io/mesh_format.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
-#include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/mesh/components.h>
 #include <armature/sdk/selection/part_cut.h>
 #include <armature/sdk/selection/patch_brush.h>
 #include <fmt/format.h>
@@ -96,7 +96,15 @@ template <auto signature>
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& surface, std::span<const sdk::FaceId>,
                                                          const sdk::Task& task) {
   const sdk::Laplacian laplacian = sdk::laplacian(surface.mesh, surface.adjacency);
-  const auto spectrum = sdk::spectrum(surface.mesh, laplacian, {}, task);
+  // A map needs no more digits; where a mesh has slivers, rounding leaves no more than five or six.
+  const sdk::SpectrumOptions options{.tolerance = 1e-4};
+  const auto components = sdk::find_components(surface.mesh, surface.adjacency, sdk::LinkedBy::Vertices).count;
+  if (components >= options.count)
+    return sdk::fail(
+        fmt::format("has {} components; the map looks at {} eigenfunctions, which tell components apart "
+                    "first; try --map gls",
+                    components, options.count));
+  const auto spectrum = sdk::spectrum(surface.mesh, laplacian, options, task);
   if (!spectrum) return tl::unexpected(spectrum.error());
   if (spectrum->converged < static_cast<std::size_t>(spectrum->values.size()))
     return sdk::fail("the Laplacian's eigenfunctions did not converge; try --map gls");

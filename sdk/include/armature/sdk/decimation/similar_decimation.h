@@ -28,14 +28,17 @@ struct SimilarityOptions {
   /// Collapses less unlike the cheapest than this are done with it, in the descriptor's measure: from 0 to 1 for
   /// histograms. 0 does one at a time: the plain decimation, bit by bit.
   double threshold = 0.5;
-  /// The threshold of each step lies instead in the first gap of the ranked dissimilarities (section 6.5): before the
-  /// first that is half as large again as the one before it, and 0.01 more; at most 0.4.
+  /// The threshold of each step lies instead in the first gap of the ranked dissimilarities (section 6.5): the first
+  /// that is four times as wide as they lie apart before it on average, and 0.02 or more; at most 0.4.
   bool adaptive = false;
   /// What costs more than so many times the cheapest is not done with it: 1 or more.
   double cost_ratio = 1.5;
   /// Nor what covers so many times its area, or less than that part of it: 1 or more.
   double area_ratio = 2;
   std::size_t scales = 10;  ///< of GLS
+  /// Components that lie on one another once they are moved, turned or mirrored, and those that do so with themselves,
+  /// are simplified in step: what corresponds in them is joined together or not at all.
+  bool in_step = true;
 };
 
 /// The descriptor of a mesh's vertices that `options` name.

@@ -15,7 +15,8 @@ namespace armature::sdk {
 
 /// The heat kernel signature at 16 times evenly spread by their logarithm between 4 ln 10 / lambda_max and 4 ln 10 /
 /// lambda_1 (Sun, Ovsjanikov, Guibas 2009), each over the heat trace. Unlike by the mean of |a - b| / (a + b).
-/// Aggregates by mean over area, as all of spectra do.
+/// Aggregates by mean over area, as all of spectra do. A spectrum begins with a constant for each component: where it
+/// holds nothing else, all of these tell no more than how large components are.
 [[nodiscard]] std::unique_ptr<Descriptor> heat_kernel_signature(const Spectrum& spectrum, const Laplacian& laplacian);
 /// The same for shapes of any size: the lowest frequencies of how the logarithm of the heat kernel changes with that of
 /// time (Bronstein and Kokkinos 2010). Unlike by the distance over the sum of lengths.

@@ -40,7 +40,7 @@ struct GlsOptions {
 };
 
 /// `count` scales, evenly spread by their logarithm from twice the spacing of the points to a quarter of the diagonal
-/// of their bounding box (thesis, section 6.4). Fewer for points at one place: none.
+/// of their bounding box (thesis, section 6.4), and none below what `build` takes. Fewer for points at one place: none.
 [[nodiscard]] std::vector<double> gls_scales(const PointSet& points, std::size_t count = 10);
 
 /// Growing least squares: spheres fitted to the neighbourhoods of points at several scales, each point weighted by its

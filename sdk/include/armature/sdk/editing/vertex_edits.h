@@ -35,7 +35,9 @@ struct Transfer {
 /// What smoothing over `length` takes away is added instead, `amount` times.
 [[nodiscard]] Expected<Mesh> sharpened(const Mesh& mesh, const Laplacian& laplacian, std::span<const double> weights,
                                        double length, double amount, const Task& task = {});
-/// Colours mixed in by weight; a mesh without colours is pale grey before.
+/// The pale grey that a mesh without colours has before it is painted.
+inline constexpr Colour kPlainColour = {214, 214, 210};
+/// Colours mixed in by weight.
 [[nodiscard]] Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const Colour& colour);
 
 }  // namespace armature::sdk

@@ -1,0 +1,268 @@
+#include "sdk/decimation/counterparts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <armature/sdk/mesh/adjacency.h>
+#include <armature/sdk/mesh/components.h>
+
+#include "sdk/descriptors/nearest_point.h"
+#include "sdk/hierarchy/collapse_complex.h"
+
+namespace armature::sdk {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// How much areas and spreads of components may differ that are held against one another.
+constexpr double kAlike = 0.05;
+// So many vertices are looked at to tell whether a component lies on another; so many of them must be within an edge.
+constexpr std::size_t kSamples = 256;
+constexpr double kOnIt = 0.95;
+// A component is symmetric if so many of its vertices correspond to others: one that is only nearly so is better left
+// alone.
+constexpr double kMatched = 0.9;
+// What corresponds lies so much closer than anything else.
+constexpr double kClear = 0.5;
+
+/// What hangs together.
+struct Part {
+  std::vector<std::uint32_t> vertices = {};
+  double area = 0;
+  Vector3d middle = Vector3d::Zero();  // of the area
+  Matrix3d axes = Matrix3d::Identity();
+  Vector3d spread = Vector3d::Zero();  // of the area along the axes, ascending
+  double edge = 0;                     // mean length
+};
+
+std::vector<Part> parts_of(const Mesh& mesh) {
+  const Components components = find_components(mesh, Adjacency(mesh), LinkedBy::Vertices);
+  std::vector<Part> parts(components.count);
+  std::vector<Matrix3d> second(parts.size(), Matrix3d::Zero());
+  std::vector<std::size_t> sides(parts.size(), 0);
+  std::vector<std::uint8_t> seen(mesh.positions.size(), 0);
+  // About a point of the part, so that digits are kept wherever it lies.
+  const auto from = [&](std::uint32_t part) { return mesh.positions[parts[part].vertices.front()]; };
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const std::uint32_t k = components.of_face[f];
+    if (k == Components::kNone) continue;
+    Part& part = parts[k];
+    for (const VertexId corner : mesh.triangles[f])
+      if (std::exchange(seen[corner.index()], std::uint8_t{1}) == 0)
+        part.vertices.push_back(static_cast<std::uint32_t>(corner.index()));
+    std::array<Vector3d, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = mesh.corner(FaceId(f), i) - from(k);
+    const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    const Vector3d sum = p[0] + p[1] + p[2];
+    part.area += area;
+    part.middle += area / 3 * sum;
+    second[k] += area / 12 * sum * sum.transpose();
+    for (std::size_t i = 0; i < 3; ++i) {
+      second[k] += area / 12 * p[i] * p[i].transpose();
+      part.edge += (p[(i + 1) % 3] - p[i]).norm();
+    }
+    sides[k] += 3;
+  }
+  for (std::uint32_t k = 0; k < parts.size(); ++k) {
+    Part& part = parts[k];
+    if (!(part.area > 0) || !second[k].allFinite()) continue;
+    part.middle /= part.area;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(
+        Matrix3d(second[k] / part.area - part.middle * part.middle.transpose()));
+    part.axes = solver.eigenvectors();
+    part.spread = solver.eigenvalues();
+    part.middle += from(k);
+    part.edge /= static_cast<double>(sides[k]);
+  }
+  return parts;
+}
+
+bool may_be_alike(const Part& a, const Part& b) {
+  return std::abs(a.area - b.area) <= kAlike * a.area && (a.spread - b.spread).norm() <= kAlike * a.spread.norm();
+}
+
+/// Turns and mirrors of the axes of one part into those of another; the first of a part into itself is none.
+std::vector<Matrix3d> turns_between(const Part& from, const Part& to) {
+  std::vector<Matrix3d> turns = {Matrix3d::Identity()};
+  for (unsigned signs = 0; signs < 8; ++signs) {
+    const Vector3d s((signs & 1U) != 0 ? -1 : 1, (signs & 2U) != 0 ? -1 : 1, (signs & 4U) != 0 ? -1 : 1);
+    if (&from != &to || signs != 0) turns.emplace_back(to.axes * s.asDiagonal() * from.axes.transpose());
+  }
+  return turns;
+}
+
+/// A part and a tree of its vertices, by their places in it.
+struct Searched {
+  const Part* part;
+  NearestPoint tree;
+
+  Searched(const Mesh& mesh, const Part& of) : part(&of), tree(points(mesh, of)) {}
+
+  static std::vector<Vector3d> points(const Mesh& mesh, const Part& part) {
+    std::vector<Vector3d> list;
+    for (const auto v : part.vertices) list.push_back(mesh.positions[v]);
+    return list;
+  }
+};
+
+Vector3d carried(const Matrix3d& turn, const Part& from, const Part& to, const Vector3d& point) {
+  return to.middle + turn * (point - from.middle);
+}
+
+/// How far some vertices of a part lie from another's, as a mean in edges; infinite if it does not lie on it.
+double distance(const Mesh& mesh, const Part& from, const Searched& to, const Matrix3d& turn) {
+  const std::size_t step = (from.vertices.size() + kSamples - 1) / kSamples;
+  const double edge2 = to.part->edge * to.part->edge;
+  std::size_t looked_at = 0;
+  std::size_t off = 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < from.vertices.size(); i += step, ++looked_at) {
+    const auto found = to.tree.find(carried(turn, from, *to.part, mesh.positions[from.vertices[i]]), edge2);
+    off += found.point == kNoIndex ? 1U : 0U;
+    sum += std::sqrt(found.distance2 / edge2);
+  }
+  const auto count = static_cast<double>(looked_at);
+  return static_cast<double>(off) > (1 - kOnIt) * count ? std::numeric_limits<double>::infinity() : sum / count;
+}
+
+/// The vertex of a part that is clearly the closest to a place; kNoIndex for none.
+std::uint32_t clearly_closest(const Searched& part, const Vector3d& place) {
+  const auto found = part.tree.find(place, part.part->edge * part.part->edge);
+  if (found.point == kNoIndex) return kNoIndex;
+  const auto next = part.tree.find(place, found.distance2 / (kClear * kClear), found.point);
+  return next.point == kNoIndex ? found.point : kNoIndex;
+}
+
+/// By the place of each vertex of `from`, that of the one of `to` that it corresponds to; kNoIndex for none.
+std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const Searched& to, const Matrix3d& turn) {
+  std::vector<std::uint32_t> list;
+  for (std::uint32_t i = 0; i < from.part->vertices.size(); ++i) {
+    const auto j = clearly_closest(to, carried(turn, *from.part, *to.part, mesh.positions[from.part->vertices[i]]));
+    const bool mutual = j != kNoIndex && clearly_closest(from, carried(turn.transpose(), *to.part, *from.part,
+                                                                       mesh.positions[to.part->vertices[j]])) == i;
+    list.push_back(mutual ? j : kNoIndex);
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh) {
+  const std::vector<Part> parts = parts_of(mesh);
+  std::vector<std::uint32_t> classes(mesh.positions.size(), kNoIndex);
+  std::vector<std::uint8_t> done(parts.size(), 0);
+  std::uint32_t count = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Part& first = parts[k];
+    if (std::exchange(done[k], std::uint8_t{1}) != 0 || !(first.area > 0)) continue;
+    const Searched searched(mesh, first);
+    // A class for each vertex and what it corresponds to within the part.
+    std::vector<std::uint32_t> own(first.vertices.size(), kNoIndex);
+    std::vector<std::vector<std::uint32_t>> onto_itself;
+    for (const Matrix3d& turn : turns_between(first, first))
+      if (!turn.isIdentity() && std::isfinite(distance(mesh, first, searched, turn))) {
+        auto match = matches(mesh, searched, searched, turn);
+        const auto none = static_cast<double>(std::ranges::count(match, kNoIndex));
+        if (none <= (1 - kMatched) * static_cast<double>(match.size())) onto_itself.push_back(std::move(match));
+      }
+    bool any = !onto_itself.empty();
+    for (std::uint32_t i = 0; i < own.size(); ++i) {
+      if (own[i] != kNoIndex) continue;
+      own[i] = count++;
+      for (const auto& match : onto_itself)
+        if (match[i] != kNoIndex && own[match[i]] == kNoIndex) own[match[i]] = own[i];
+    }
+    for (std::size_t other = k + 1; other < parts.size(); ++other) {
+      if (done[other] != 0 || !may_be_alike(first, parts[other])) continue;
+      const Searched there(mesh, parts[other]);
+      double least = std::numeric_limits<double>::infinity();
+      Matrix3d best = Matrix3d::Identity();
+      for (const Matrix3d& turn : turns_between(first, parts[other])) {
+        const double d = distance(mesh, first, there, turn);
+        if (d < least) {
+          least = d;
+          best = turn;
+        }
+      }
+      if (!std::isfinite(least)) continue;
+      any = true;
+      done[other] = 1;
+      const auto match = matches(mesh, searched, there, best);
+      for (std::size_t i = 0; i < match.size(); ++i)
+        if (match[i] != kNoIndex) classes[parts[other].vertices[match[i]]] = own[i];
+    }
+    if (!any) continue;
+    for (std::size_t i = 0; i < own.size(); ++i) classes[first.vertices[i]] = own[i];
+  }
+  // What is alone in its class has no counterpart.
+  std::vector<std::uint32_t> members(count, 0);
+  for (const auto c : classes)
+    if (c != kNoIndex) ++members[c];
+  for (auto& c : classes)
+    if (c != kNoIndex && members[c] < 2) c = kNoIndex;
+  return classes;
+}
+
+Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
+  if (std::ranges::all_of(classes, [](std::uint32_t c) { return c == kNoIndex; })) return;
+  kinds_.resize(classes.size(), 0);
+  into_.resize(classes.size());
+  std::iota(into_.begin(), into_.end(), 0U);
+  holds_.resize(classes.size(), kNoIndex);
+  next_ = into_;
+  std::unordered_map<std::uint32_t, std::uint32_t> of_class;
+  for (std::uint32_t v = 0; v < classes.size(); ++v) {
+    if (classes[v] == kNoIndex) continue;
+    // SplitMix64 (Steele, Lea, Flood 2014).
+    std::uint64_t z = (classes[v] + std::uint64_t{1}) * 0x9E37'79B9'7F4A'7C15U;
+    z = (z ^ (z >> 30)) * 0xBF58'476D'1CE4'E5B9U;
+    z = (z ^ (z >> 27)) * 0x94D0'49BB'1331'11EBU;
+    kinds_[v] = z ^ (z >> 31);
+    slots_[kinds_[v]].push_back(v);
+    holds_[v] = v;
+    const auto [first, is_new] = of_class.try_emplace(classes[v], v);
+    if (!is_new) std::swap(next_[v], next_[first->second]);
+  }
+}
+
+std::uint32_t Counterparts::slot_of(std::uint32_t vertex) noexcept {
+  while (into_[vertex] != vertex) vertex = into_[vertex] = into_[into_[vertex]];
+  return vertex;
+}
+
+std::span<const std::uint32_t> Counterparts::of(std::uint64_t kind) const {
+  const auto found = slots_.find(kind);
+  return found == slots_.end() ? std::span<const std::uint32_t>{} : found->second;
+}
+
+void Counterparts::remove(std::uint32_t slot) {
+  if (kinds_[slot] == 0) return;
+  const auto found = slots_.find(kinds_[slot]);
+  std::erase(found->second, slot);
+  if (found->second.empty()) slots_.erase(found);
+}
+
+std::span<const std::uint32_t> Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
+  behind_.clear();
+  if (kinds_.empty()) return behind_;
+  into_[gone] = kept;
+  if (kinds_[gone] == 0) return behind_;
+  remove(kept);
+  remove(gone);
+  kinds_[kept] += std::exchange(kinds_[gone], 0);
+  if (kinds_[kept] != 0) slots_[kinds_[kept]].push_back(kept);
+  for (const auto held : {holds_[kept], holds_[gone]})
+    for (auto v = held; held != kNoIndex && (v = next_[v]) != held;)
+      if (const auto slot = slot_of(v); kinds_[slot] != kinds_[kept]) behind_.push_back(slot);
+  if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
+  return behind_;
+}
+
+}  // namespace armature::sdk

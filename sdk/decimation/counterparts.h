@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include <armature/sdk/mesh/mesh.h>
+
+namespace armature::sdk {
+
+/// Which vertices correspond: those of components that lie on one another once they are moved, turned or mirrored, and
+/// those of a component that does so with itself. Vertices correspond where each is the closest to where the other
+/// comes to lie. By vertex a class of its own kind; kNoIndex for what has no counterpart. Turns are those that lay
+/// principal axes onto one another, and none; so shapes that have no principal axes, as a ball, are found only shifted.
+[[nodiscard]] std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh);
+
+/// Keeps track of which regions correspond while they are joined. A region's kind is the sum of numbers drawn for the
+/// classes of its vertices (Zobrist 1970), so that regions correspond if they hold the same classes, however they came
+/// about.
+class Counterparts {
+ public:
+  explicit Counterparts(std::span<const std::uint32_t> classes);
+
+  /// Whether there is anything to keep track of.
+  [[nodiscard]] bool empty() const noexcept { return kinds_.empty(); }
+  /// What a slot is of; 0 if it holds nothing that has a counterpart.
+  [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept { return kinds_.empty() ? 0 : kinds_[slot]; }
+  /// The slots of a kind other than 0, in no order that matters.
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint64_t kind) const;
+  /// Two slots became one. Returns slots of another kind, each of which holds what corresponds to something in it;
+  /// valid until the next call.
+  std::span<const std::uint32_t> merge(std::uint32_t kept, std::uint32_t gone);
+
+ private:
+  void remove(std::uint32_t slot);
+  [[nodiscard]] std::uint32_t slot_of(std::uint32_t vertex) noexcept;
+
+  std::vector<std::uint64_t> kinds_;  // by slot; empty if no vertices correspond
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_;
+  std::vector<std::uint32_t> into_;   // by slot: chains that end at one in use
+  std::vector<std::uint32_t> holds_;  // by slot: a vertex in it that has counterparts; kNoIndex for none
+  std::vector<std::uint32_t> next_;   // by vertex: the next of its class, in a ring
+  std::vector<std::uint32_t> behind_;
+};
+
+}  // namespace armature::sdk

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Runs `armature decimate` as a user would.
+
+usage: decimate_command_test.py BUILD_DIRECTORY
+"""
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ARMATURE = Path(sys.argv[1]) / "bin" / "armature"
+
+
+def run(*arguments):
+    return subprocess.run([ARMATURE, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+
+
+class Decimate(unittest.TestCase):
+    def setUp(self):
+        self.directory = tempfile.TemporaryDirectory()
+        self.addCleanup(self.directory.cleanup)
+        self.here = Path(self.directory.name)
+        self.mesh = self.here / "creature.off"
+        self.assertEqual(run("mesh", "sample", "creature", self.mesh, "--rounds", 3).returncode, 0)
+
+    def decimate(self, out, *arguments):
+        result = run("decimate", self.mesh, self.here / out, "--json", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout.count("\n"), 1)
+        return json.loads(result.stdout)
+
+    def refused(self, status, said, *arguments):
+        result = run("decimate", *arguments)
+        self.assertEqual(result.returncode, status, result.stderr)
+        self.assertIn(said, result.stderr)
+        self.assertEqual(result.stdout, "")
+        if status == 1:
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_spheres_come_in_fewer_steps_than_collapses(self):
+        told = self.decimate("c.ma", "--target", 40)
+        self.assertEqual(set(told), {"levels", "collapses", "descriptor_ms", "decimate_ms", "read_ms"})
+        self.assertEqual(told["collapses"], 642 - 40)
+        self.assertLess(2 * told["levels"], told["collapses"])
+        self.assertEqual((self.here / "c.ma").read_text().split()[0], "40")
+
+    def test_threshold_0_is_the_plain_hierarchy(self):
+        told = self.decimate("a.ma", "--target", 40, "--similar", 0, "--hierarchy", self.here / "a.smh")
+        self.assertEqual(told["levels"], told["collapses"])
+        result = run("spheremesh", "build", self.mesh, self.here / "b.ma", "--spheres", 40, "--hierarchy",
+                     self.here / "b.smh")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for kind in ("ma", "smh"):
+            self.assertEqual((self.here / f"a.{kind}").read_bytes(), (self.here / f"b.{kind}").read_bytes())
+
+    def test_an_adaptive_threshold_condenses_too(self):
+        told = self.decimate("c.ma", "--target", 40, "--adaptive")
+        self.assertLess(2 * told["levels"], told["collapses"])
+
+    def test_every_descriptor_works(self):
+        for name in ("gls-histogram", "gls-mean", "quadric", "gls-scaled", "gls-merged"):
+            told = self.decimate("c.ma", "--target", 100, "--descriptor", name)
+            self.assertLessEqual(told["levels"], told["collapses"])
+
+    def test_a_mesh_comes_out_as_a_mesh(self):
+        told = self.decimate("c.off", "--target", 100, "--kind", "mesh")
+        self.assertEqual(told["collapses"], 642 - 100)
+        self.assertEqual((self.here / "c.off").read_text().split()[1], "100")
+
+    def test_a_hierarchy_can_be_walked_by_other_commands(self):
+        self.decimate("c.ma", "--target", 40, "--hierarchy", self.here / "c.smh")
+        result = run("spheremesh", "level", self.here / "c.smh", self.here / "l.ma", "--spheres", 40)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual((self.here / "l.ma").read_bytes(), (self.here / "c.ma").read_bytes())
+
+    def test_people_are_told_what_came_out(self):
+        result = run("decimate", self.mesh, self.here / "c.ma", "--target", 40)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("40 spheres", result.stdout)
+        self.assertIn("602 collapses in", result.stdout)
+
+    def test_what_is_wrong_is_told_in_one_line(self):
+        out = self.here / "c.ma"
+        self.refused(1, "nothing.off", self.here / "nothing.off", out, "--target", 5)
+        self.refused(1, "has 642 vertices", self.mesh, out, "--target", 643)
+        self.refused(1, "expected a name that ends with .ma", self.mesh, self.here / "c.off", "--target", 5)
+        self.refused(1, "--hierarchy", self.mesh, self.here / "c.off", "--target", 5, "--kind", "mesh", "--hierarchy",
+                     self.here / "c.smh")
+        empty = self.here / "empty.off"
+        empty.write_text("OFF\n0 0 0\n")
+        self.refused(1, "empty.off", empty, out, "--target", 1)
+        self.assertFalse(out.exists())
+
+    def test_wrong_use_is_told(self):
+        out = self.here / "c.ma"
+        self.refused(2, "--target", self.mesh, out)
+        self.refused(2, "--target", self.mesh, out, "--target", 0)
+        self.refused(2, "--descriptor", self.mesh, out, "--target", 5, "--descriptor", "colour")
+        self.refused(2, "--similar", self.mesh, out, "--target", 5, "--similar", -1)
+        self.refused(2, "--adaptive", self.mesh, out, "--target", 5, "--similar", 0.3, "--adaptive")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
