@@ -106,6 +106,8 @@ void visit_config(Config& c, Visitor& v) {
     v.number("gain", navigation.motions.gain[m], 0.1F, 10.0F,
              "shown angles times this, up to half of the default range; depends on the model");
     v.number("far_gain", navigation.motions.far_gain[m], 0.1F, 10.0F, "and times this beyond");
+    v.number("read_as_hips", navigation.motions.read_as_hips[m], -1.0F, 1.0F,
+             "so much of it rotate_hips is read too large by; depends on the model");
     v.number("alpha", navigation.transfer[m].alpha, 0.0F, 0.9F, "dead zone, share of the range; noise may widen it");
     v.number("beta", navigation.transfer[m].beta, 0.2F, 5.0F, "slope; above 1 the motion starts gently");
   }

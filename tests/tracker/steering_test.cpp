@@ -52,7 +52,7 @@ TEST_P(MotionAlone, ComesOutRightAndSteersNothingElse) {
       strayed += frame.tracked.walk != 0;
     }
   }
-  const auto [frames, median, p95, slope, delay, gain, far_gain] =
+  const auto [frames, median, p95, slope, delay, gain, far_gain, crosstalk] =
       tools::motion_accuracy(runs, motion, NavigationOptions{}.motions);
   std::printf("%-17s error median %.3f p95 %.3f of its range; %s strays in %.2f %% of %d frames; slope %.2f\n",
               name.c_str(), median, p95, std::string(kMotionNames[index(partner(motion))]).c_str(),

@@ -35,6 +35,23 @@ double shown_share(const std::vector<std::vector<SteeringFrame>>& runs, std::siz
   return made > 0 ? shown / made : 1;
 }
 
+/// Least squares through zero of what `other` is read too large, on what `motion` is read.
+double read_too_large(const std::vector<std::vector<SteeringFrame>>& runs, std::size_t motion, std::size_t other,
+                      int delay) {
+  double xx = 0, xy = 0;
+  for (const auto& run : runs) {
+    for (std::size_t i = static_cast<std::size_t>(delay); i < run.size(); ++i) {
+      if (!run[i].engaged || !run[i].present) continue;
+      const auto& read = run[i].tracked.motions;
+      const auto x = static_cast<double>(read[motion].angle_rad);
+      xx += x * x;
+      xy += x *
+            static_cast<double>(read[other].angle_rad - run[i - static_cast<std::size_t>(delay)].true_angle_rad[other]);
+    }
+  }
+  return xx > 0 ? xy / xx : 0;
+}
+
 }  // namespace
 
 Expected<std::vector<SteeringFrame>> run_steering(const std::string& uri, std::shared_ptr<const Forest> forest,
@@ -104,6 +121,8 @@ MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& ru
     out.slope = xx > 0 ? xy / xx : 0;
     out.delay_frames = delay;
   }
+  for (std::size_t other = 0; other < kMotionCount; ++other)
+    if (other != m) out.crosstalk[other] = read_too_large(runs, m, other, out.delay_frames);
   const ResponseCurve curve = in_force.curve(m);
   const double near = static_cast<double>(curve.knee_rad), full = 2 * near;
   const double shown_near = near * shown_share(runs, m, out.delay_frames, curve, near);

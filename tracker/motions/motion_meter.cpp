@@ -13,6 +13,11 @@ void MotionMeter::reset() noexcept {
 const PerMotion<MotionReading>& MotionMeter::measure(const Skeleton& skeleton, const RestPose& rest,
                                                      std::chrono::nanoseconds dt) noexcept {
   const MotionAngles now = motion_angles(skeleton, rest);
+  PerMotion<float> angle{};
+  for (std::size_t m = 0; m < kMotionCount; ++m) angle[m] = options_.curve(m).true_angle(now.angle_rad[m]);
+  float& hips = angle[index(MotionId::RotateHips)];
+  for (std::size_t m = 0; m < kMotionCount; ++m)
+    if (now.confidence[m] >= options_.min_confidence) hips -= options_.read_as_hips[m] * angle[m];
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     MotionReading& reading = readings_[m];
     reading.confidence = now.confidence[m];
@@ -26,8 +31,8 @@ const PerMotion<MotionReading>& MotionMeter::measure(const Skeleton& skeleton, c
     }
     const auto since_measured = held_[m] + dt;
     held_[m] = {};
-    reading.angle_rad = filters_[m].filter(options_.curve(m).true_angle(now.angle_rad[m]),
-                                           std::chrono::duration<float>(since_measured).count(), options_.filter);
+    reading.angle_rad =
+        filters_[m].filter(angle[m], std::chrono::duration<float>(since_measured).count(), options_.filter);
     reading.normalized = std::clamp(reading.angle_rad / options_.range_rad[m], -1.0F, 1.0F);
     reading.measured = true;
   }

@@ -27,6 +27,8 @@ inline constexpr PerMotion<float> kDefaultRange_rad = {radians(35), radians(25),
 /// By what the shipped model shows motions too small (ResponseCurve::near and far), as `armature bench steering`
 /// measures it on synthetic people.
 extern const PerMotion<float> kModelGain, kModelFarGain;
+/// How much of each motion the shipped model's joints show as a rotation of the hips.
+extern const PerMotion<float> kModelReadAsHips;
 
 /// How motions are measured.
 struct MotionOptions {
@@ -35,6 +37,9 @@ struct MotionOptions {
   /// the model.
   PerMotion<float> gain = kModelGain;
   PerMotion<float> far_gain = kModelFarGain;
+  /// How much of each motion's angle is taken off that of rotate_hips: votes draw hips along with what is above them.
+  /// Belongs to the model.
+  PerMotion<float> read_as_hips = kModelReadAsHips;
   OneEuroOptions filter;
   float min_confidence = 0.50F;              ///< below it a motion is not measured but held
   std::chrono::milliseconds hold_time{150};  ///< how long it is held; afterwards it counts as zero
@@ -48,6 +53,7 @@ struct MotionOptions {
 [[nodiscard]] inline MotionOptions of_true_joints(MotionOptions options) noexcept {
   options.gain.fill(1);
   options.far_gain.fill(1);
+  options.read_as_hips.fill(0);
   return options;
 }
 

@@ -31,8 +31,8 @@ Expected<void> bench_steering(const SteeringOptions& options) {
   ProgressBar bar(
       {.title = "steering", .total = static_cast<double>(kMotionCount * options.seeds.size()), .unit = "runs"});
   if (!options.json) {
-    std::printf("%s\n", fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>8}{:>10}", "motion", "median", "p95", "slope",
-                                    "delay", "gain", "far gain")
+    std::printf("%s\n", fmt::format("{:<18}{:>8}{:>9}{:>9}{:>8}{:>8}{:>10}{}", "motion", "median", "p95", "slope",
+                                    "delay", "gain", "far gain", "  read with it")
                             .c_str());
   }
   for (std::size_t m = 0; m < kMotionCount && !interrupt.requested(); ++m) {
@@ -48,6 +48,14 @@ Expected<void> bench_steering(const SteeringOptions& options) {
                  static_cast<double>(kMotionCount * options.seeds.size()));
     }
     const MotionAccuracy accuracy = motion_accuracy(runs, motion, config->tracker.navigation.motions);
+    Json crosstalk = Json::object();
+    std::string also;
+    for (std::size_t other = 0; other < kMotionCount; ++other) {
+      if (other == m || static_cast<MotionId>(other) == MotionId::RotateBust) continue;
+      crosstalk[std::string(kMotionNames[other])] = number(accuracy.crosstalk[other]);
+      if (std::abs(accuracy.crosstalk[other]) >= 0.1)
+        also += fmt::format("  {} {:.2f}", kMotionNames[other], accuracy.crosstalk[other]);
+    }
     if (options.json) {
       auto written = write_json_line(stdout, {{"motion", kMotionNames[m]},
                                               {"frames", accuracy.frames},
@@ -56,13 +64,14 @@ Expected<void> bench_steering(const SteeringOptions& options) {
                                               {"slope", number(accuracy.slope)},
                                               {"delay_frames", accuracy.delay_frames},
                                               {"gain", number(accuracy.gain)},
-                                              {"far_gain", number(accuracy.far_gain)}});
+                                              {"far_gain", number(accuracy.far_gain)},
+                                              {"crosstalk", crosstalk}});
       if (!written) return written;
     } else {
-      std::printf("%s\n",
-                  fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8}{:>8.2f}{:>10.2f}", kMotionNames[m], accuracy.median,
-                              accuracy.p95, accuracy.slope, accuracy.delay_frames, accuracy.gain, accuracy.far_gain)
-                      .c_str());
+      std::printf("%s\n", fmt::format("{:<18}{:>8.3f}{:>9.3f}{:>9.2f}{:>8}{:>8.2f}{:>10.2f}{}", kMotionNames[m],
+                                      accuracy.median, accuracy.p95, accuracy.slope, accuracy.delay_frames,
+                                      accuracy.gain, accuracy.far_gain, also)
+                              .c_str());
     }
   }
   return {};
