@@ -72,7 +72,7 @@ class CollapseQueue {
       std::array<std::uint64_t, kSample> sample;
       for (std::size_t k = 0; k < kSample; ++k) sample[k] = far_[k * (far_.size() / kSample)];
       std::nth_element(sample.begin(), sample.begin() + kSample / 8, sample.end());
-      end_ = sample[kSample / 8];
+      end_ = sample[kSample / 8] + 1;  // at least that one goes
     }
     const auto first = std::partition(far_.begin(), far_.end(), [&](std::uint64_t entry) { return entry >= end_; });
     heap_.assign(first, far_.end());

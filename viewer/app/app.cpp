@@ -146,7 +146,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
 }
 
 bool App::calm() const noexcept {
-  return !painter_.rough() && !(beside_ && beside_->rough()) && session_.mode == Mode::Shapes && !session_.busy();
+  return !rough() && session_.mode == Mode::Shapes && !session_.busy();
 }
 
 }  // namespace armature::viewer

@@ -22,6 +22,8 @@ class App {
   /// Draws a frame of that many pixels into `framebuffer`, after ImGui's backends have begun theirs. `careful`: for a
   /// picture, not for someone who waits. Fails where OpenGL does.
   [[nodiscard]] sdk::Expected<void> draw(int width, int height, GLuint framebuffer, bool careful);
+  /// Whether the picture is rougher than it is once nothing moves.
+  [[nodiscard]] bool rough() const noexcept { return painter_.rough() || (beside_ && beside_->rough()); }
   /// Whether the next frame would look the same if nobody does anything.
   [[nodiscard]] bool calm() const noexcept;
 

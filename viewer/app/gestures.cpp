@@ -33,6 +33,9 @@ struct Live {
 
 Live live;
 
+/// Of larger meshes a boundary is shown only once it is dragged: that takes longer than a frame.
+constexpr std::size_t kMostFacesDragged = 200'000;
+
 std::string words_of(const Eigen::Vector3d& point) {
   return fmt::format("{:.9g} {:.9g} {:.9g}", point.x(), point.y(), point.z());
 }
@@ -161,6 +164,7 @@ void continue_gesture(Ui& ui) {
     show(*model, live.brush->faces());
   } else if (!model->selecting.reference.empty()) {
     live.to = point;
+    if (surface.mesh.triangles.size() > kMostFacesDragged) return;
     const auto drag = boundary_drag(surface, surface.tree.closest(*live.from), to, 0);
     show(*model, sdk::drag_boundary(surface, model->selecting.reference, drag));
   }

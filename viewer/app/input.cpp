@@ -114,7 +114,9 @@ void handle_keys(Ui& ui) {
     if (ImGui::IsKeyPressed('Y', false)) ui.issue("redo");
     return;
   }
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && ui.session.job.running()) ui.issue("cancel");
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && ui.session.job.running() &&
+      !ui.session.job.whole())
+    ui.issue("cancel");
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab), false)) ui.sidebar = !ui.sidebar;
   if (ui.session.mode == Mode::Walk) return;
   if (ImGui::IsKeyPressed('F', false) && !ui.session.models.empty()) ui.issue("fit");

@@ -9,11 +9,6 @@
 namespace armature::viewer {
 namespace {
 
-/// A careful picture that takes longer is left for when nothing moves.
-constexpr double kFluentMs = 25;
-/// A mesh of more faces is drawn coarser while it moves, by a grid of so many cells along its longest side.
-constexpr std::size_t kMostFluentFaces = 200'000, kCoarseCells = 128;
-
 constexpr Palette kShapes = {.background_top = {250, 250, 249}, .background_bottom = {226, 229, 232}};
 constexpr Palette kCity = {.sphere = {126, 158, 104},
                            .edge = {126, 158, 104},
@@ -28,10 +23,10 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-sdk::Expected<ViewPainter> ViewPainter::create() {
+sdk::Expected<ViewPainter> ViewPainter::create(const Options& options) {
   auto painter = Painter::create();
   if (!painter) return tl::unexpected(painter.error());
-  return ViewPainter(std::move(*painter));
+  return ViewPainter(std::move(*painter), options);
 }
 
 void ViewPainter::keep(Kept& kept, Key key, const Scene& scene) {
@@ -74,8 +69,8 @@ void ViewPainter::gather_mesh(const Looks& looks, const std::shared_ptr<const Mo
 /// Large meshes have a second drawing, of fewer faces.
 void ViewPainter::keep_coarse(const Model& model, Layer layer, std::span<const CornerColours> colours) {
   coarse_.reset();
-  if (model.posing || model.shown_mesh().triangles.size() <= kMostFluentFaces) return;
-  CoarseMesh coarse = coarse_mesh(model.shown_mesh(), kCoarseCells);
+  if (model.posing || model.shown_mesh().triangles.size() <= options_.most_fluent_faces) return;
+  CoarseMesh coarse = coarse_mesh(model.shown_mesh(), options_.coarse_cells);
   coarse_source_ = std::move(coarse.source);
   const auto its_colours = coarse_colours(colours);
   Scene scene(model.around(), kShapes);
@@ -152,7 +147,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   const bool moved = shows_ != shown_;
   if (!moved && !rough_) return {};
   // Once nothing moves there is time for care.
-  const bool roughly = moved && !careful && careful_ms_ > kFluentMs;
+  const bool roughly = moved && !careful && careful_ms_ > options_.fluent_ms;
   if (roughly && coarse_ && mesh_.drawing)
     std::ranges::replace(drawings_, static_cast<const Drawing*>(&*mesh_.drawing), &*coarse_);
   const auto start = std::chrono::steady_clock::now();

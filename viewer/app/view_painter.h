@@ -13,7 +13,13 @@ namespace armature::viewer {
 /// current.
 class ViewPainter {
  public:
-  [[nodiscard]] static sdk::Expected<ViewPainter> create();
+  struct Options {
+    double fluent_ms = 25;                    ///< a careful picture that takes longer is left for when nothing moves
+    std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
+    std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
+  };
+  [[nodiscard]] static sdk::Expected<ViewPainter> create(const Options& options);
+  [[nodiscard]] static sdk::Expected<ViewPainter> create() { return create(Options()); }
 
   /// Paints the view again where it has changed. While it moves, as carefully as leaves it fluent; `careful`: always
   /// with all care. The picture is in `picture()`.
@@ -52,7 +58,7 @@ class ViewPainter {
     double made = 0;  // the how-manyth drawing it is
   };
 
-  explicit ViewPainter(Painter painter) : painter_(std::move(painter)) {}
+  ViewPainter(Painter painter, const Options& options) : options_(options), painter_(std::move(painter)) {}
   void keep(Kept& kept, Key key, const Scene& scene);
   void show(const Kept& kept);
   using CornerColours = std::array<sdk::Colour, 3>;
@@ -62,6 +68,7 @@ class ViewPainter {
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held);
   void gather_city(const Walk& walk);
 
+  Options options_;
   Painter painter_;
   Kept mesh_, spheres_, city_, ribbon_, nothing_;
   Colours colours_;                         // of mesh_

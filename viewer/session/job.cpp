@@ -9,8 +9,9 @@ Job::~Job() {
   cancel();
 }
 
-void Job::start(std::string title, Work work) {
+void Job::start(std::string title, Work work, bool whole) {
   title_ = std::move(title);
+  whole_ = whole;
   state_ = std::make_shared<State>();
   thread_ = std::jthread([state = state_, work = std::move(work)](const std::stop_token& stop) {
     const sdk::Task task{.stop = stop, .progress = [&](std::string_view stage, double fraction) {
@@ -43,7 +44,7 @@ std::optional<sdk::Expected<void>> Job::poll() {
     const std::lock_guard lock(state_->mutex);
     if (!state_->result) return std::nullopt;
   }
-  const bool cancelled = thread_.get_stop_token().stop_requested();
+  const bool cancelled = !whole_ && thread_.get_stop_token().stop_requested();
   thread_.join();
   const sdk::Expected<Apply> result = *std::exchange(state_, nullptr)->result;
   if (cancelled) return sdk::cancelled();  // also where the work was done before it could notice

@@ -33,11 +33,13 @@ class Job {
 
   [[nodiscard]] bool running() const noexcept { return state_ != nullptr; }
   [[nodiscard]] const std::string& title() const noexcept { return title_; }
+  /// Whether it is work that cannot be cancelled.
+  [[nodiscard]] bool whole() const noexcept { return whole_; }
   [[nodiscard]] JobProgress progress() const;
 
-  /// None may be running.
-  void start(std::string title, Work work);
-  /// Asks the work to stop; it ends as a failure of kind Cancelled.
+  /// None may be running. Work that is whole changes things as it goes on: it is not cancelled.
+  void start(std::string title, Work work, bool whole = false);
+  /// Asks the work to stop; unless it is whole, it ends as a failure of kind Cancelled.
   void cancel();
   /// Once the work has ended: applies its changes, or tells why there are none. Nothing while it runs.
   [[nodiscard]] std::optional<sdk::Expected<void>> poll();
@@ -49,6 +51,7 @@ class Job {
     std::optional<sdk::Expected<Apply>> result;
   };
   std::string title_;
+  bool whole_ = false;
   std::shared_ptr<State> state_;  // or none
   std::jthread thread_;
 };

@@ -96,6 +96,8 @@ std::map<std::string, std::string> Session::report() const {
   std::map<std::string, std::string> facts;
   facts["mode"] = kModes[static_cast<std::size_t>(mode)];
   facts["panel"] = kPanels[static_cast<std::size_t>(panel)];
+  facts["map"] = kMaps[static_cast<std::size_t>(looks.map)];
+  facts["mesh"] = kMeshLooks[static_cast<std::size_t>(looks.mesh)];
   facts["tool"] = kTools[static_cast<std::size_t>(tool)];
   facts["models"] = std::to_string(models.size());
   facts["notice"] = notice;

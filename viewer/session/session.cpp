@@ -76,8 +76,8 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   return {};
 }
 
-void Session::start(std::string title, Job::Work work) {
-  job.start(std::move(title), std::move(work));
+void Session::start(std::string title, Job::Work work, bool whole) {
+  job.start(std::move(title), std::move(work), whole);
 }
 
 void Session::take_job() {
@@ -151,6 +151,20 @@ sdk::Expected<Model*> Session::active_mesh() {
 sdk::Expected<Model*> Session::active_spheres() {
   auto model = active();
   if (model && !(*model)->spheres) return sdk::fail((*model)->name + " has no sphere-mesh yet; build one first");
+  return model;
+}
+
+sdk::Expected<std::shared_ptr<Model>> Session::active_unposed() {
+  const auto model = active_mesh();
+  if (!model) return tl::unexpected(model.error());
+  if ((*model)->posing) return sdk::fail("put the mesh back, or keep it as a model, first: `unpose` or `bake`");
+  return models[active_model];
+}
+
+sdk::Expected<std::shared_ptr<Model>> Session::active_at_rest() {
+  auto model = active_unposed();
+  if (model && (*model)->editing.tried)
+    return sdk::fail("keep the edit that is shown, or drop it, first: `keep-edit` or `drop-edit`");
   return model;
 }
 

@@ -1,12 +1,15 @@
 #include "viewer/session/write_text.h"
 
 #include <fstream>
+#include <string>
 #include <system_error>
+
+#include <unistd.h>
 
 namespace armature::viewer {
 
 sdk::Expected<void> write_text(const std::filesystem::path& path, std::string_view text) {
-  const std::filesystem::path unfinished = path.string() + ".part";
+  const std::filesystem::path unfinished = path.string() + ".part." + std::to_string(getpid());
   std::ofstream out(unfinished, std::ios::binary);
   out << text;
   out.close();

@@ -105,7 +105,7 @@ navproto::Expected<fs::path> DaemonProcess::keep_settings() const {
   if (kept.empty()) return navproto::fail("there is no home to keep settings in; set HOME or XDG_CONFIG_HOME");
   std::error_code error;
   fs::create_directories(kept.parent_path(), error);
-  const fs::path unfinished = kept.string() + ".part";
+  const fs::path unfinished = kept.string() + ".part." + std::to_string(getpid());
   fs::copy_file(folder_ / kSettings, unfinished, fs::copy_options::overwrite_existing, error);
   if (!error) fs::rename(unfinished, kept, error);
   if (error) return navproto::fail(kept.string() + ": cannot be written: " + error.message());
@@ -124,6 +124,9 @@ std::string DaemonProcess::last_words() const {
   std::string line, last;
   while (std::getline(log, line))
     if (!line.empty()) last = line;
+  // The daemon knows its own copy of the settings; people know the file that it is a copy of.
+  const std::string copy = folder_ / kSettings;
+  if (const auto at = last.find(copy); at != std::string::npos) last.replace(at, copy.size(), kept_settings().string());
   return last;
 }
 

@@ -26,7 +26,8 @@ class DaemonProcess {
   [[nodiscard]] navproto::Expected<std::filesystem::path> keep_settings() const;
   /// False once it has ended.
   [[nodiscard]] bool running();
-  /// The last line that it wrote before it ended, without a time.
+  /// The last line that it wrote before it ended, without a time. It names the settings by the file that somebody
+  /// keeps.
   [[nodiscard]] std::string last_words() const;
 
  private:

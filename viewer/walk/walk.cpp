@@ -89,7 +89,9 @@ void Walk::hear() {
   velocity_ = stream.velocity();
   settings_ = link_->settings();
   for (const auto& event : stream.take_events()) {
-    if (!event.header.replayed && !event.text.empty()) tell(event.text, false);
+    // Our own daemon saves a copy; where that is kept, the answer to the request says.
+    const bool of_copy = daemon_ && event.kind == navproto::EventKind::ConfigSaved;
+    if (!event.header.replayed && !event.text.empty() && !of_copy) tell(event.text, false);
   }
   take_answers();
   if (auto error = link_->error(); error && *error != error_) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include <armature/sdk/spheremesh/extract.h>
 #include <gtest/gtest.h>
 
 #include "viewer/app/view_painter.h"
@@ -179,6 +180,41 @@ TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
   ASSERT_TRUE(session.execute("camera 40 20"));
   EXPECT_NE(painted().rgb, first.rgb);
   EXPECT_EQ(stage()->painter->painted(), before + 1);
+}
+
+TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
+  // Any picture takes too long, any mesh is large: a ball of 40 x 40 cells.
+  auto painter = ViewPainter::create({.fluent_ms = -1, .most_fluent_faces = 0, .coarse_cells = 12});
+  ASSERT_TRUE(painter) << painter.error().message;
+  sdk::SphereMesh ball;
+  ball.spheres = {{{0, 0, 0}, 1}};
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(sdk::extract_surface(ball, {.tolerance = 1e-3}, {}).value());
+  session.add(model);
+  const auto picture = [&](bool careful) {
+    const auto done = painter->paint(session, kWidth, kHeight, careful);
+    EXPECT_TRUE(done) << done.error().message;
+    glBindFramebuffer(GL_FRAMEBUFFER, painter->picture());
+    auto image = read_picture(kWidth, kHeight);
+    EXPECT_TRUE(image) << image.error().message;
+    return *image;
+  };
+  picture(true);
+  ASSERT_TRUE(session.execute("camera 30 20"));
+  const Image moving = picture(false);
+  EXPECT_TRUE(painter->rough());
+  const Image standing = picture(false);
+  EXPECT_FALSE(painter->rough());
+  EXPECT_EQ(standing.rgb, picture(false).rgb);
+  int differ = 0, covered = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      differ += difference(at(moving, x, y), at(standing, x, y)) > 24 ? 1 : 0;
+      covered += session.pick({(2 * (x + 0.5) / kWidth - 1) * kAspect, 1 - 2 * (y + 0.5) / kHeight}) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(differ, 0) << "the coarse one was not drawn";
+  EXPECT_LT(differ, covered / 5) << "of " << covered << " pixels";
 }
 
 }  // namespace

@@ -170,6 +170,23 @@ TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
   EXPECT_FALSE(changed);
 }
 
+TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
+  Job job;
+  bool applied = false;
+  job.start(
+      "posing",
+      [&](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+        while (!task.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return Job::Apply([&] { applied = true; });
+      },
+      true);
+  job.cancel();
+  std::optional<sdk::Expected<void>> done;
+  while (!done) done = job.poll();
+  EXPECT_TRUE(*done);
+  EXPECT_TRUE(applied);
+}
+
 TEST(Jobs, ThatRunOutOfMemoryFailInWords) {
   Job job;
   job.start("growing", [](const sdk::Task&) -> sdk::Expected<Job::Apply> { throw std::bad_alloc(); });

@@ -119,7 +119,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
     ImGui::ProgressBar(static_cast<float>(progress.fraction), {std::min(ui.px(220), 0.3F * area.size.x), 0},
                        progress.stage.c_str());
     ImGui::SameLine();
-    if (ImGui::Button("Cancel")) ui.issue("cancel");
+    if (!ui.session.job.whole() && ImGui::Button("Cancel")) ui.issue("cancel");
   } else if (!session.notice.empty()) {
     ImGui::AlignTextToFramePadding();
     ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);

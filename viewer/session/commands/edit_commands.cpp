@@ -16,19 +16,10 @@ using Done = sdk::Expected<void>;
 /// What patch shape contexts look at around a vertex, of the bounding box's diagonal.
 constexpr double kSpot = 0.05;
 
-/// The model that is edited.
-sdk::Expected<std::shared_ptr<Model>> editable(Session& session) {
-  const auto model = session.active_mesh();
-  if (!model) return tl::unexpected(model.error());
-  if ((*model)->posing)
-    return sdk::fail("put the mesh back, or keep it as a model, before editing: `unpose` or `bake`");
-  return session.models[session.active_model];
-}
-
 /// similarity MAP [VERTEX]: to a vertex, or to the region selected last.
 Done similarity(Session& session, Arguments& arguments) {
   const auto by = static_cast<Likeness>(arguments.choice("map", kLikenesses));
-  const auto found = editable(session);
+  const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
   const std::shared_ptr<Model>& model = *found;
   const sdk::Surface& surface = model->mesh->surface;
@@ -76,7 +67,7 @@ Done transfer(Session& session, Arguments& arguments) {
   const double from = arguments.number("from", 0, 1), to = arguments.number("to", 0, 1);
   if (auto checked = arguments.check(); !checked) return checked;
   if (!(to > from)) return sdk::fail("to: expected more than where it begins");
-  const auto model = editable(session);
+  const auto model = session.active_unposed();
   if (!model) return tl::unexpected(model.error());
   (*model)->editing.transfer = {from, to};
   return {};
@@ -89,7 +80,7 @@ Done edit(Session& session, Arguments& arguments) {
   what.amount = arguments.number("amount", -1e3, 1e3);
   what.regions = arguments.choice("where", {"map", "regions"}) == 1;
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto found = editable(session);
+  const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
   const Selecting& selecting = (*found)->selecting;
   EditPlaces places{.similarity = (*found)->editing.similarity,
@@ -116,8 +107,9 @@ Done edit(Session& session, Arguments& arguments) {
   return {};
 }
 
-/// The model gets another mesh of the same faces: what was found on the old one goes, what is selected stays.
-void change_mesh(Model& model, std::shared_ptr<const MeshShape> mesh) {
+/// The model gets another mesh of the same faces: what was found on the old one goes, what is selected stays, and so
+/// does what was compared.
+void change_mesh(Session& session, Model& model, std::shared_ptr<const MeshShape> mesh) {
   model.mesh = std::move(mesh);
   sdk::Selection selection = std::move(model.selecting.selection);
   model.selecting = {};
@@ -127,18 +119,24 @@ void change_mesh(Model& model, std::shared_ptr<const MeshShape> mesh) {
   model.editing.tried.reset();
   ++model.mesh_revision;
   ++model.spheres_revision;
+  if (session.looks.mesh == MeshLook::Off) session.looks.mesh = MeshLook::Solid;  // there are no spheres now
+  if (session.looks.map == MapKind::Curvature || session.looks.map == MapKind::Protrusion) {
+    session.looks.map = MapKind::None;
+    model.values.clear();
+  }
+  ++model.colour_revision;
 }
 
 Done keep_edit(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto found = editable(session);
+  const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
   if (!(*found)->editing.tried) return sdk::fail("there is no edit to keep; try one first");
-  session.start("keeping the edit", [model = *found](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+  session.start("keeping the edit", [&session, model = *found](const sdk::Task&) -> sdk::Expected<Job::Apply> {
     auto mesh = std::make_shared<const MeshShape>(model->editing.tried->mesh);
-    return Job::Apply([model, mesh] {
+    return Job::Apply([&session, model, mesh] {
       model->editing.before.push_back(model->mesh);
-      change_mesh(*model, mesh);
+      change_mesh(session, *model, mesh);
     });
   });
   return {};
@@ -146,7 +144,7 @@ Done keep_edit(Session& session, Arguments& arguments) {
 
 Done drop_edit(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto found = editable(session);
+  const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
   (*found)->editing.tried.reset();
   ++(*found)->mesh_revision;
@@ -155,20 +153,20 @@ Done drop_edit(Session& session, Arguments& arguments) {
 
 Done undo_edit(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto found = editable(session);
+  const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
   auto& before = (*found)->editing.before;
   if (before.empty()) return sdk::fail("no edit was kept yet");
   auto mesh = std::move(before.back());
   before.pop_back();
-  change_mesh(**found, std::move(mesh));
+  change_mesh(session, **found, std::move(mesh));
   return {};
 }
 
 constexpr std::array kCommands = {
     Command{"similarity", "gls|hks|wks|psc [VERTEX]", "colour what is like a vertex, or like the region selected last",
             similarity},
-    Command{"transfer", "FROM TO", "edits begin at so much similarity, and are full from there on", transfer},
+    Command{"transfer", "FROM TO", "edits begin at so much similarity, and are full from there on", transfer, true},
     Command{"edit", "displace|smooth|sharpen|paint|pull|copy|alike AMOUNT map|regions",
             "try an edit by the similarity, or of the region and the matches shown; lengths as parts of the diagonal",
             edit},

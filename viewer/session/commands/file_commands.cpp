@@ -66,13 +66,14 @@ Done save(Session& session, Arguments& arguments) {
   const bool spheres = arguments.left() > 0 && arguments.choice("what", {"mesh", "spheres"}) == 1;
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active(); !model) return tl::unexpected(model.error());
-  session.start("writing " + file,
-                [&session, file, spheres,
-                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-                  if (auto written = write_model(*model, file, spheres); !written)
-                    return tl::unexpected(written.error());
-                  return Job::Apply([&session, file] { session.tell("wrote " + file); });
-                });
+  session.start(
+      "writing " + file,
+      [&session, file, spheres,
+       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        if (auto written = write_model(*model, file, spheres); !written) return tl::unexpected(written.error());
+        return Job::Apply([&session, file] { session.tell("wrote " + file); });
+      },
+      true);
   return {};
 }
 

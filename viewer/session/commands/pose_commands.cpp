@@ -25,13 +25,14 @@ sdk::Expected<Model*> posed(Session& session) {
 
 Done pose(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
+  const auto found = session.active_at_rest();
+  if (!found) return tl::unexpected(found.error());
   const auto active = session.active_spheres();
   if (!active) return tl::unexpected(active.error());
   if (!(*active)->spheres->hierarchy) return sdk::fail("this sphere-mesh has one level alone; build a hierarchy first");
   session.start("preparing the mesh to be posed",
                 [&session, spheres = (*active)->spheres->cursor->size(),
-                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                 model = *found](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto posing = Posing::begin(model->mesh, model->spheres->hierarchy, spheres, task);
                   if (!posing) return tl::unexpected(posing.error());
                   return Job::Apply([&session, model, posing = *posing] {
@@ -120,17 +121,19 @@ Done replay_pose(Session& session, Arguments& arguments) {
   std::ifstream in(file);
   if (!in) return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  session.start("posing as " + file,
-                [file, text = std::move(text),
-                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-                  const auto done = model->posing->replay(text, file);
-                  const std::optional<sdk::Error> wrong = done ? std::nullopt : std::optional(done.error());
-                  if (wrong) return tl::unexpected(*wrong);
-                  return Job::Apply([model] {
-                    model->handle.clear();
-                    model->take_pose();
-                  });
-                });
+  session.start(
+      "posing as " + file,
+      [file, text = std::move(text),
+       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        const auto done = model->posing->replay(text, file);
+        const std::optional<sdk::Error> wrong = done ? std::nullopt : std::optional(done.error());
+        if (wrong) return tl::unexpected(*wrong);
+        return Job::Apply([model] {
+          model->handle.clear();
+          model->take_pose();
+        });
+      },
+      true);
   return {};
 }
 
@@ -160,6 +163,7 @@ Done unpose(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   (*model)->posing.reset();
+  (*model)->posed = {};
   (*model)->handle.clear();
   (*model)->go_to((*model)->spheres->cursor->size());
   ++(*model)->mesh_revision;

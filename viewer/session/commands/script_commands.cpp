@@ -107,6 +107,8 @@ Done frame_times(Session& session, Arguments& arguments) {
 
 Done cancel(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
+  if (session.job.running() && session.job.whole())
+    return sdk::fail(session.job.title() + " cannot be left half done; it ends by itself");
   session.job.cancel();
   return {};
 }

@@ -19,11 +19,10 @@ using Done = sdk::Expected<void>;
 Done build(Session& session, Arguments& arguments) {
   const double importance = arguments.left() > 0 ? arguments.number("importance", 0, 10) : 0;
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
-  if (session.models[session.active_model]->posing) return sdk::fail("put the mesh back before building: `unpose`");
+  const auto found = session.active_at_rest();
+  if (!found) return tl::unexpected(found.error());
   session.start("building the hierarchy",
-                [&session, importance,
-                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                [&session, importance, model = *found](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto built = sdk::build_hierarchy(model->mesh->mesh, {.importance = importance}, task);
                   if (!built) return tl::unexpected(built.error());
                   auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(built->hierarchy));
@@ -40,11 +39,10 @@ Done build(Session& session, Arguments& arguments) {
 Done build_alike(Session& session, Arguments& arguments) {
   const double threshold = arguments.left() > 0 ? arguments.number("threshold", 0, 1) : 0.5;
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
-  if (session.models[session.active_model]->posing) return sdk::fail("put the mesh back before building: `unpose`");
+  const auto found = session.active_at_rest();
+  if (!found) return tl::unexpected(found.error());
   session.start("building the hierarchy of what is alike",
-                [&session, threshold,
-                 plain = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                [&session, threshold, plain = *found](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto alike = sdk::build_similar_hierarchy(plain->mesh->mesh, {}, {.threshold = threshold}, task);
                   if (!alike) return tl::unexpected(alike.error());
                   auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(alike->build.hierarchy));
@@ -90,7 +88,8 @@ Done level(Session& session, Arguments& arguments) {
             model->handle.clear();
             model->take_pose();
           });
-        });
+        },
+        true);
     return {};
   }
   (*model)->go_to(spheres);
@@ -102,18 +101,15 @@ Done level(Session& session, Arguments& arguments) {
 
 Done refine(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto model = session.active_mesh(); !model) return tl::unexpected(model.error());
-  const auto active = session.active_spheres();
-  if (!active) return tl::unexpected(active.error());
-  if ((*active)->posing) return sdk::fail("put the mesh back before refining: `unpose`");
-  session.start(
-      "refining the sphere-mesh",
-      [model = session.models[session.active_model], shape = session.models[session.active_model]->spheres->shape](
-          const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-        auto refined = sdk::refine(model->mesh->mesh, shape, {}, task);
-        if (!refined) return tl::unexpected(refined.error());
-        return Job::Apply([model, refined = std::move(*refined)] { model->set_refined(refined); });
-      });
+  const auto found = session.active_at_rest();
+  if (!found) return tl::unexpected(found.error());
+  if (const auto active = session.active_spheres(); !active) return tl::unexpected(active.error());
+  session.start("refining the sphere-mesh",
+                [model = *found, shape = (*found)->spheres->shape](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto refined = sdk::refine(model->mesh->mesh, shape, {}, task);
+                  if (!refined) return tl::unexpected(refined.error());
+                  return Job::Apply([model, refined = std::move(*refined)] { model->set_refined(refined); });
+                });
   return {};
 }
 

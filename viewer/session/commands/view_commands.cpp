@@ -119,6 +119,13 @@ Done map(Session& session, Arguments& arguments) {
     session.looks.map = kind;
     return {};
   }
+  // What was compared last, whatever by, comes before the selection's shape.
+  if (const auto& compared = (*model)->editing.similarity; kind == MapKind::Similarity && !compared.empty()) {
+    (*model)->values = compared;
+    ++(*model)->colour_revision;
+    session.looks.map = kind;
+    return {};
+  }
   if (kind == MapKind::Similarity && (*model)->selecting.reference.empty())
     return sdk::fail("select a region first; the map shows what is like it");
   session.start("computing the map",
