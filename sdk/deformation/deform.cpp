@@ -16,6 +16,8 @@ Expected<void> check_same(const Mesh& mesh, const Hierarchy& hierarchy) {
   constexpr double kRounding = 1e-6;  // of floats in units of the diagonal
   const auto& parts = hierarchy.parts();
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!in_range(mesh.positions[v]))
+      return fail("vertex " + std::to_string(v) + " is out of range; scale the mesh down");
     const auto& [x, y, z] = parts.leaves[v];
     const Eigen::Vector3d leaf = parts.origin + parts.scale * Eigen::Vector3d(x, y, z);
     if (!((leaf - mesh.positions[v]).norm() <= kRounding * parts.scale))

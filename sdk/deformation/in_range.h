@@ -4,9 +4,9 @@
 
 namespace armature::sdk {
 
-/// Whether every coordinate can be worked with: products of five of them, as in sums of quadrics, stay finite.
+/// Whether every coordinate can be worked with: products of seven of them, as in fits of spheres, stay finite.
 [[nodiscard]] inline bool in_range(const Eigen::Vector3d& point) noexcept {
-  constexpr double kFarthest = 1e60;
+  constexpr double kFarthest = 1e40;
   return (point.array().abs() < kFarthest).all();
 }
 

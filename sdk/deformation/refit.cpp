@@ -217,7 +217,7 @@ Sphere Refit::best_sphere(NodeId node, const Region& region, const std::vector<V
   const Sphere was = hierarchy_->sphere(node);
   const RegionFrame& frame = region.frame;
   if (!region.moved) return was;
-  const Sphere carried{frame.now + frame.turn * (frame.scale * (was.centre - frame.before)), frame.scale * was.radius};
+  const Sphere carried{frame(was.centre), frame.scale * was.radius};
   if (hierarchy_->is_leaf(node) || holds_pinned(node) || !(region.sums.weight() > 0)) return carried;
   const HierarchyOptions options;
   const auto bound = [&] {

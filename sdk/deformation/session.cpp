@@ -121,7 +121,7 @@ SphereMove DeformationSession::in_model(const SphereMove& move, MoveFrame frame)
   SphereMove moved = move;
   moved.translate = region.scale * (region.turn * move.translate);
   moved.rotate = region.turn * move.rotate;
-  if (move.about) moved.about = region.now + region.scale * (region.turn * (*move.about - region.before));
+  if (move.about) moved.about = region(*move.about);
   if (move.radius) moved.radius = region.scale * *move.radius;
   return moved;
 }

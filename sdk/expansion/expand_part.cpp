@@ -231,9 +231,15 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
   const auto reference_node = node_of(of, of.level_tree(), part);
   if (!reference_node)
     return Expansion(std::move(reference), {},
-                     {{part[part.size() / 2], "nothing is compared: the part is not a protrusion around one tip"}});
+                     {{&of == &model ? part[part.size() / 2] : FaceId(0),
+                       "nothing is compared: the part is not a protrusion around one tip"}});
 
   const std::vector<std::uint32_t> nodes = likely_nodes(tree, {of.level_tree(), *reference_node}, options);
+  if (nodes.empty())
+    return Expansion(
+        std::move(reference), {},
+        {{FaceId(0), "nothing is compared: no other protrusion is between " + in_percent(1 / options.largest_scale) +
+                         " and " + in_percent(options.largest_scale) + " as wide as the part"}});
   std::vector<bool> in_reference(of.surface().mesh.triangles.size(), false);
   for (const FaceId face : part) in_reference[face.index()] = true;
   RingCut around_reference(of);

@@ -1,5 +1,6 @@
 // Sessions as text: what is accepted is written and replayed to the same bits; what is not is refused in one line.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -45,6 +46,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto replayed = session.replay({reinterpret_cast<const char*>(data), size}, "fuzzed");
   for (const auto& position : session.positions())
     if (!position.allFinite()) __builtin_trap();
+  for (const auto& sphere : session.shape().spheres)
+    if (!sphere.centre.allFinite() || !std::isfinite(sphere.radius)) __builtin_trap();
   if (!replayed && replayed.error().message.find('\n') != std::string::npos) __builtin_trap();
   // What was carried out before something was wrong is a session as well.
   DeformationSession& again = sessions.fresh(1);

@@ -85,7 +85,7 @@ class Decimate(unittest.TestCase):
         out = self.here / "c.ma"
         self.refused(1, "nothing.off", self.here / "nothing.off", out, "--target", 5)
         self.refused(1, "has 642 vertices", self.mesh, out, "--target", 643)
-        self.refused(1, "expected a name that ends with .ma", self.mesh, self.here / "c.off", "--target", 5)
+        self.refused(1, "expected a name that ends in .ma", self.mesh, self.here / "c.off", "--target", 5)
         self.refused(1, "--hierarchy", self.mesh, self.here / "c.off", "--target", 5, "--kind", "mesh", "--hierarchy",
                      self.here / "c.smh")
         empty = self.here / "empty.off"

@@ -123,6 +123,8 @@ MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& ru
   }
   for (std::size_t other = 0; other < kMotionCount; ++other)
     if (other != m) out.crosstalk[other] = read_too_large(runs, m, other, out.delay_frames);
+  if (motion != MotionId::RotateHips)
+    out.crosstalk[index(MotionId::RotateHips)] += static_cast<double>(in_force.read_as_hips[m]);
   const ResponseCurve curve = in_force.curve(m);
   const double near = static_cast<double>(curve.knee_rad), full = 2 * near;
   const double shown_near = near * shown_share(runs, m, out.delay_frames, curve, near);

@@ -32,7 +32,8 @@ struct MotionAccuracy {
   double slope = 0;  ///< least squares through zero of tracked on true angles, at the delay that fits best
   int delay_frames = 0;
   double gain = 1, far_gain = 1;  ///< MotionOptions with which half of the range and all of it would come out right
-  PerMotion<double> crosstalk{};  ///< of this motion's angle: by how much the others are read too large
+  PerMotion<double> crosstalk{};  ///< of this motion's angle: by how much the others are read too large, for
+                                  ///< the hips before MotionOptions::read_as_hips takes it off
 };
 /// `in_force`: with which the runs were made.
 [[nodiscard]] MotionAccuracy motion_accuracy(const std::vector<std::vector<SteeringFrame>>& runs, MotionId motion,

@@ -16,8 +16,11 @@ const PerMotion<MotionReading>& MotionMeter::measure(const Skeleton& skeleton, c
   PerMotion<float> angle{};
   for (std::size_t m = 0; m < kMotionCount; ++m) angle[m] = options_.curve(m).true_angle(now.angle_rad[m]);
   float& hips = angle[index(MotionId::RotateHips)];
-  for (std::size_t m = 0; m < kMotionCount; ++m)
-    if (now.confidence[m] >= options_.min_confidence) hips -= options_.read_as_hips[m] * angle[m];
+  for (std::size_t m = 0; m < kMotionCount; ++m) {
+    // What cannot be seen for a moment is held; what it draws along is, too.
+    const bool seen = now.confidence[m] >= options_.min_confidence;
+    hips -= options_.read_as_hips[m] * (seen ? angle[m] : readings_[m].angle_rad);
+  }
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     MotionReading& reading = readings_[m];
     reading.confidence = now.confidence[m];

@@ -107,7 +107,7 @@ TEST(DeformationSession, FitsTheSpheresToWhatWasDeformedAtEveryLevel) {
       const NodeId node = session.nodes()[s];
       const Sphere was = tube.hierarchy.sphere(node);
       const RegionFrame frame = refit.frame(node, session.positions());
-      const Sphere gone{frame.now + frame.turn * (frame.scale * (was.centre - frame.before)), frame.scale * was.radius};
+      const Sphere gone{frame(was.centre), frame.scale * was.radius};
       fitted += tube.error(node, session.positions(), session.shape().spheres[s]);
       carried += tube.error(node, session.positions(), gone);
     }

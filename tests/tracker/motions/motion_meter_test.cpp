@@ -41,5 +41,20 @@ TEST(MotionMeter, TakesNothingOffForWhatCannotBeSeen) {
   EXPECT_NEAR(meter.measure(person, test::resting(standing), 33ms)[index(RotateHips)].angle_rad, 0.3F, kTolerance);
 }
 
+TEST(MotionMeter, HoldsWhatIsTakenOffAsLongAsTheMotion) {
+  const Skeleton standing = test::standing_person();
+  MotionOptions options = of_true_joints({});
+  options.read_as_hips[index(RotateShoulders)] = 0.25F;
+  MotionMeter meter(options);
+  Skeleton person = turned_person(standing);
+  meter.measure(person, test::resting(standing), 33ms);
+  person[LeftShoulder].confidence = 0.1F;
+  const auto& readings = meter.measure(person, test::resting(standing), 33ms);
+  EXPECT_NEAR(readings[index(RotateHips)].angle_rad, 0.2F, kTolerance) << "no jump";
+  meter.measure(person, test::resting(standing), options.hold_time);
+  const auto& later = meter.measure(person, test::resting(standing), 10s);
+  EXPECT_NEAR(later[index(RotateHips)].angle_rad, 0.3F, 0.01F) << "it is not held any more";
+}
+
 }  // namespace
 }  // namespace armature

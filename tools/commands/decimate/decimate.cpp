@@ -88,7 +88,7 @@ Expected<void> run_decimate(Arguments arguments) {
   arguments.similarity.descriptor = choice_of(kDescriptors, arguments.descriptor);
   const bool spheres = arguments.kind == "spheres";
   if (spheres && !sdk::sphere_mesh_format_of(arguments.out))
-    return fail(arguments.out + ": expected a name that ends with .ma, .ply or .urdf; --kind mesh writes meshes");
+    return fail(arguments.out + ": expected a name that ends in .ma, .ply or .urdf; --kind mesh writes meshes");
   if (!spheres && !arguments.hierarchy_out.empty())
     return fail("--hierarchy: holds spheres; leave it out with --kind mesh");
   SdkCall call;

@@ -27,6 +27,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/choices.h"
+#include "tools/commands/output_names.h"
 #include "tools/commands/select/gesture.h"
 #include "tools/elapsed.h"
 #include "tools/json_lines.h"
@@ -218,9 +219,6 @@ Expected<void> run_edit(const Arguments& arguments) {
   if (!(arguments.to > arguments.from)) return fail("--to: expected more than --from");
   if (!std::isfinite(arguments.amount)) return fail("--amount: expected a finite number");
   if (!(arguments.share > 0 && arguments.share <= 1)) return fail("--share: expected more than 0 and at most 1");
-  const auto format = sdk::mesh_format_of(arguments.out);
-  if (format != sdk::MeshFormat::Obj && format != sdk::MeshFormat::Off && format != sdk::MeshFormat::Ply)
-    return fail(arguments.out + ": expected a name that ends with .obj, .off or .ply");
   SdkCall call;
   const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
   if (!mesh) return tl::unexpected(mesh.error());
@@ -263,7 +261,7 @@ void add_edit(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("edit", "Edit a mesh at a selection and at all that is like it");
   command->add_option("MESH", arguments->mesh, "a triangle mesh")->required();
-  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY")->required();
+  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY")->required()->check(wrong_mesh_name);
   command->add_option("--gesture", arguments->gesture, "what is selected, as for `armature select`")
       ->required()
       ->type_name("G.json");

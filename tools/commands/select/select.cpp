@@ -113,6 +113,14 @@ struct Select {
     const sdk::Surface surface(drawn_on);
     const auto model = sdk::PartModel::build(surface, task);
     if (!model) return tl::unexpected(model.error());
+    std::optional<sdk::Surface> there;  // of `mesh`, where the likes are looked for elsewhere
+    std::optional<sdk::PartModel> likes;
+    if (&drawn_on != &mesh && arguments.expand > 0) {
+      there.emplace(mesh);
+      auto built = sdk::PartModel::build(*there, task);
+      if (!built) return tl::unexpected(built.error());
+      likes.emplace(std::move(*built));
+    }
     sdk::PartCut cut(*model);
     const double load_ms = milliseconds_since(start);
     const auto drawn = std::chrono::steady_clock::now();
@@ -127,19 +135,10 @@ struct Select {
     Json timings = {{"load", number(load_ms)}, {"select", number(milliseconds_since(drawn))}};
     if (arguments.expand == 0) return Outcome{sdk::Expansion(std::move(*part), {}, {}), std::move(timings)};
     const auto began = std::chrono::steady_clock::now();
-    auto expansion = &drawn_on == &mesh ? sdk::expand_part(*model, *part, {}, task) : expand_elsewhere(*model, *part);
+    auto expansion = sdk::expand_part(likes ? *likes : *model, *model, *part, {}, task);
     if (!expansion) return tl::unexpected(expansion.error());
     timings["expand"] = number(milliseconds_since(began));
     return Outcome{std::move(*expansion), std::move(timings)};
-  }
-
-  /// The likes in `mesh` of a part of the other.
-  [[nodiscard]] sdk::Expected<sdk::Expansion> expand_elsewhere(const sdk::PartModel& of,
-                                                               std::span<const sdk::FaceId> part) const {
-    const sdk::Surface surface(mesh);
-    return sdk::PartModel::build(surface, task).and_then([&](const sdk::PartModel& model) {
-      return sdk::expand_part(model, of, part, {}, task);
-    });
   }
 };
 
@@ -244,7 +243,8 @@ void add_select(CLI::App& app, Run& run) {
       "Result: "
       "{\"reference\":{\"faces\":[...]},\"matches\":[{\"faces\":[...],\"score\":S,\"transform\":[16],...}],...}\n"
       "without the reference among the matches; S is 1 for the same shape. The transform is a 4 x 4 matrix, row by\n"
-      "row, that maps the match onto the reference.\n\n"
+      "row, that maps the match onto the reference. With --from the reference's faces are those of MESH2, all others\n"
+      "those of MESH; parts are found where they are a third to three times as large.\n\n"
       "Examples:\n"
       "  echo '{\"tool\":\"component\",\"face\":0}' > click.json\n"
       "  armature select engine.obj --gesture click.json --expand 8 --ply like.ply\n"

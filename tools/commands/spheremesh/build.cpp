@@ -15,6 +15,7 @@
 #include <armature/sdk/spheremesh/refine.h>
 #include <fmt/format.h>
 
+#include "tools/commands/output_names.h"
 #include "tools/commands/spheremesh/constraints.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/elapsed.h"
@@ -94,9 +95,6 @@ sdk::FitMode fit_mode(const BuildOptions& options) {
 }
 
 Expected<void> build(const BuildOptions& options) {
-  if (!sdk::sphere_mesh_format_of(options.out)) {
-    return fail(options.out + ": expected a name that ends with .ma, .ply or .urdf");
-  }
   SdkCall call;
   reset_peak_memory();
   const auto start = std::chrono::steady_clock::now();
@@ -173,7 +171,8 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   CLI::App* command = spheremesh.add_subcommand("build", "Approximate a mesh by a few interpolated spheres.");
   command->add_option("IN", options->in, "a triangle mesh")->required();
   command->add_option("OUT", options->out, "the sphere-mesh: .ma, .ply (with radius) or .urdf (spheres alone)")
-      ->required();
+      ->required()
+      ->check(wrong_sphere_mesh_name);
   command->add_option("--spheres", options->spheres, "how many (default: 50)")->check(CLI::PositiveNumber);
   command
       ->add_option("--error", options->error_percent,

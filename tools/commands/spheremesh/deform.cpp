@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tools/commands/choices.h"
+#include "tools/commands/output_names.h"
 #include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/sphere_moves.h"
 #include "tools/commands/spheremesh/spheremesh.h"

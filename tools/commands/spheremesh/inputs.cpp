@@ -5,7 +5,6 @@
 #include <armature/sdk/deformation/deform.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
-#include <armature/sdk/io/sphere_mesh_file.h>
 #include <fmt/format.h>
 
 #include "tools/sdk_call.h"
@@ -23,16 +22,6 @@ Expected<MeshWithHierarchy> read_mesh_with_hierarchy(const std::string& mesh_fil
         fmt::format("{}: does not belong to {}: {}; build it from this mesh with `spheremesh build --hierarchy`",
                     hierarchy_file, mesh_file, same.error().message));
   return MeshWithHierarchy{std::move(*mesh), std::move(*hierarchy)};
-}
-
-std::string wrong_mesh_name(const std::string& path) {
-  const auto format = sdk::mesh_format_of(path);
-  const bool known = format == sdk::MeshFormat::Ply || format == sdk::MeshFormat::Obj || format == sdk::MeshFormat::Off;
-  return known ? "" : "expected a name that ends in .ply, .obj or .off";
-}
-
-std::string wrong_sphere_mesh_name(const std::string& path) {
-  return sdk::sphere_mesh_format_of(path) ? "" : "expected a name that ends in .ma, .ply or .urdf";
 }
 
 }  // namespace armature::tools

@@ -21,9 +21,4 @@ struct MeshWithHierarchy {
                                                                    const std::string& hierarchy_file,
                                                                    const sdk::Task& task);
 
-/// What is wrong with the name of a mesh to write, for `CLI::Option::check`; empty if nothing is.
-[[nodiscard]] std::string wrong_mesh_name(const std::string& path);
-/// The same of a sphere-mesh.
-[[nodiscard]] std::string wrong_sphere_mesh_name(const std::string& path);
-
 }  // namespace armature::tools

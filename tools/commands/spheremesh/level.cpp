@@ -5,6 +5,7 @@
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 
+#include "tools/commands/output_names.h"
 #include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/json_lines.h"

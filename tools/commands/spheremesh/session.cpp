@@ -9,6 +9,7 @@
 #include <armature/sdk/io/write_mesh.h>
 #include <fmt/format.h>
 
+#include "tools/commands/output_names.h"
 #include "tools/commands/spheremesh/inputs.h"
 #include "tools/commands/spheremesh/spheremesh.h"
 #include "tools/json_lines.h"

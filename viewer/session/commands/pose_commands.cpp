@@ -1,8 +1,10 @@
 // Deforming a mesh by its spheres.
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <system_error>
 
 #include "viewer/session/command.h"
 #include "viewer/session/posing.h"
@@ -118,8 +120,10 @@ Done replay_pose(Session& session, Arguments& arguments) {
   const std::string file = arguments.word("file");
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = posed(session); !model) return tl::unexpected(model.error());
-  std::ifstream in(file);
-  if (!in) return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
+  std::error_code none;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || !std::filesystem::is_regular_file(file, none))
+    return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   session.start(
       "posing as " + file,

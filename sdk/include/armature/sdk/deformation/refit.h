@@ -12,13 +12,16 @@
 
 namespace armature::sdk {
 
-/// Where the region of a sphere has gone: x goes, as nearly as a rigid motion can take it, to `now` + turn (x -
-/// before).
+/// Where the region of a sphere has gone, as nearly as a similarity can take it.
 struct RegionFrame {
   Eigen::Vector3d before = Eigen::Vector3d::Zero();    ///< the mean of its vertices before any deformation
   Eigen::Vector3d now = Eigen::Vector3d::Zero();       ///< their mean now
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< a rotation
   double scale = 1;                                    ///< how much larger the region has become
+  /// Where a point that goes with the region is now.
+  [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& x) const {
+    return now + scale * (turn * (x - before));
+  }
 };
 
 /// A sphere and its region.
