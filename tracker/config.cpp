@@ -190,9 +190,8 @@ class Writer {
   std::string out_;
 };
 
-}  // namespace
-
-Expected<Config> parse_config(std::string_view text, std::string_view name) {
+/// `background_line`: where in the text the background is named.
+Expected<Config> parse(std::string_view text, std::string_view name, toml::source_index& background_line) {
   toml::table root;
   try {
     root = toml::parse(text, name);
@@ -224,7 +223,15 @@ Expected<Config> parse_config(std::string_view text, std::string_view name) {
         fmt::format("engagement.near_m = {} and far_m = {}: expected near_m < far_m", active.near_m, active.far_m));
   }
   if (!reader.complaint().empty()) return fail(reader.complaint());
+  background_line = reader.place("segmentation.background").begin.line;
   return config;
+}
+
+}  // namespace
+
+Expected<Config> parse_config(std::string_view text, std::string_view name) {
+  toml::source_index background_line = 0;
+  return parse(text, name, background_line);
 }
 
 Expected<Config> load_config(const std::filesystem::path& path) {
@@ -239,10 +246,12 @@ Expected<Config> load_config(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (!in && !in.eof()) return fail(path.string() + ": cannot be read");
-  auto config = parse_config(text, path.string());
+  toml::source_index line = 0;
+  auto config = parse(text, path.string(), line);
   if (!config || config->background.empty()) return config;
   auto background = read_background(config->background);
-  if (!background) return fail(path.string() + ": segmentation.background = " + background.error().message);
+  if (!background)
+    return fail(fmt::format("{}:{}: segmentation.background = {}", path.string(), line, background.error().message));
   config->tracker.segmentation.background = std::make_shared<const StoredBackground>(std::move(*background));
   return config;
 }

@@ -23,9 +23,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A process that has not come round its loop for so long hangs in the device library; to open a device takes longer
-/// than to read from it.
-constexpr std::chrono::nanoseconds kHangs = 2s, kHangsOpening = 4s;
 /// In which it turns the sensor's light off and goes, once it was asked to.
 constexpr int kFarewell_ms = 500;
 
@@ -197,8 +194,7 @@ void CaptureProcess::State::supervise() {
     set_trouble(info.uri + ": " + how);
     recovery.process_ended(now);
   }
-  const auto patience = frames.state() == CaptureState::Opening ? kHangsOpening : kHangs;
-  if (child.running() && now - std::max(frames.last_alive(), started) > patience) {
+  if (child.running() && recovery.hangs(now - std::max(frames.last_alive(), started), reader())) {
     set_trouble(info.uri + ": the capture process hangs and is started again");
     child.end();
     recovery.process_ended(now);

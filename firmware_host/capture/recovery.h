@@ -20,8 +20,11 @@ enum class Reader : std::uint8_t {
 ///     step       restart the   reset the    reopen   restart the       restart the process
 ///                stream        USB device   it       process
 ///
+/// Silence is counted while a stream is open: from the last frame, or from when the device was opened since. A step
+/// that opens it anew starts the count again, so that the next comes its whole time of the table after that.
+///
 /// A process that opens a device is left alone. One that finds none that opens is restarted after 10 s, then after 20,
-/// 40, 60 and every 60 s, for a library that has lost its way.
+/// 40, 60 and every 60 s, for a library that has lost its way. One that hangs() is killed, whatever it was at.
 ///
 /// A pure function of the times it is told. Thread-safe: no. Realtime-safe: yes.
 class Recovery {
@@ -46,6 +49,15 @@ class Recovery {
     last_start_ = now;
     tried_ = tried_ < kProcess ? 0 : tried_ + 1;
     due_ = now + kPatience;
+  }
+
+  /// Whether a process that has not come round its loop for so long hangs in the device library. To open a device takes
+  /// longer than to read from it: 3 s, and more once the process was ended or restarted in vain, for a device that is
+  /// slower than we think.
+  [[nodiscard]] bool hangs(Time unheard_of, Reader reader) const noexcept {
+    using namespace std::chrono_literals;
+    if (reader != Reader::Opening) return unheard_of > 2s;
+    return unheard_of > 3s * (1 << std::clamp(tried_ - kProcess, 0, 2));
   }
 
   /// What is due now; each step once.

@@ -54,7 +54,7 @@ class Capturing {
       if (!status) {
         frames_.set_state(CaptureState::Waiting, status.error().message);
         std::this_thread::sleep_for(kLookAgain);
-        return false;
+        return frames_.take_command() == CaptureCommand::Stop;
       }
       if (*status == ReadStatus::Frame && frames_.write(frame, source.info().frames_per_second)) wake_reader();
       if (*status == ReadStatus::EndOfStream) {

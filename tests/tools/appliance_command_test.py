@@ -80,7 +80,11 @@ class Doctor(unittest.TestCase):
             self.assertIn(f"{config} is in order", found.stdout)
             picture.write_bytes(picture.read_bytes()[:-1])
             found = run("doctor", "--config", config, "--json")
-            self.assertIn("153599 bytes of pixels: expected 153600", found.stdout)
+            self.assertIn(f"{config}:2: segmentation.background = {picture}: 153599 bytes of pixels: expected 153600",
+                          found.stdout)
+
+    def test_refuses_a_background_without_a_site(self):
+        self.assertEqual(run("doctor", "--background", "empty.pgm").returncode, 2)
 
 
 class Status(unittest.TestCase):

@@ -21,7 +21,7 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   "${PROJECT_SOURCE_DIR}/tools/packaging/prerm"
   "${PROJECT_SOURCE_DIR}/tools/packaging/postrm"
   "${PROJECT_BINARY_DIR}/conffiles")
-file(WRITE "${PROJECT_BINARY_DIR}/conffiles" "/etc/armature/armatured.toml\n")
+file(WRITE "${PROJECT_BINARY_DIR}/conffiles" "/etc/armature/daemon/armatured.toml\n")
 include(CPack)
 
 set(daemon "${PROJECT_SOURCE_DIR}/tracker/daemon")
@@ -39,5 +39,5 @@ install(FILES "${PROJECT_BINARY_DIR}/changelog.gz" DESTINATION share/doc/armatur
 install(FILES "${daemon}/armatured.toml" DESTINATION share/armature)
 install(CODE "
   if(\"\${CMAKE_INSTALL_PREFIX}\" STREQUAL \"/usr\")
-    file(INSTALL DESTINATION \"/etc/armature\" TYPE FILE FILES \"${daemon}/armatured.toml\")
+    file(INSTALL DESTINATION \"/etc/armature/daemon\" TYPE FILE FILES \"${daemon}/armatured.toml\")
   endif()")

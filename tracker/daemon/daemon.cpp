@@ -125,7 +125,7 @@ Expected<void> Daemon::run(const std::stop_token& stop) {
 /// Once a size of images.
 void Daemon::State::compare_background(const Intrinsics& image) {
   const auto& empty = config.tracker.segmentation.background;
-  if (empty == nullptr || image == compared) return;
+  if (empty == nullptr || (image.width == compared.width && image.height == compared.height)) return;
   compared = image;
   if (empty->fits(image)) return;
   say(wire::EventKind::Warning,
@@ -136,7 +136,6 @@ void Daemon::State::compare_background(const Intrinsics& image) {
 
 void Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
-  compare_background(frame.intrinsics);
   if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);
@@ -144,6 +143,7 @@ void Daemon::State::track(const DepthFrame& frame) {
     last_frame = options.clock->now();
     return;
   }
+  compare_background(frame.intrinsics);
   const TrackerOutput& output = pipeline->process(frame.view());
   fill_message(navigation, output, pipeline->navigation_options().pair);
   if (rest_requested && output.state == EngagementState::Calibrating) {

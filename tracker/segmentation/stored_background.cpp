@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 
 #include "firmware_host/recording/file_reader.h"
 
@@ -73,21 +72,14 @@ Expected<StoredBackground> read_background(const std::filesystem::path& file) {
   return parse_background(*bytes, file.string());
 }
 
-Expected<void> write_background(const std::filesystem::path& file, const StoredBackground& background) {
-  auto temporary = file;
-  temporary += ".new";
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  out << "P5\n" << background.width << " " << background.height << "\n65535\n";
+std::string print_background(const StoredBackground& background) {
+  std::string bytes = "P5\n" + std::to_string(background.width) + " " + std::to_string(background.height) + "\n65535\n";
+  bytes.reserve(bytes.size() + 2 * background.depth_mm.size());
   for (const std::uint16_t depth : background.depth_mm) {
-    out.put(static_cast<char>(depth >> 8U));
-    out.put(static_cast<char>(depth));
+    bytes += static_cast<char>(depth >> 8U);
+    bytes += static_cast<char>(depth);
   }
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, file, error);
-  if (out && !error) return {};
-  std::filesystem::remove(temporary, error);
-  return fail(file.string() + ": cannot be written");
+  return bytes;
 }
 
 }  // namespace armature

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,7 +30,7 @@ struct StoredBackground {
 /// sides up to kMaxImageSide. `name` stands for the file in messages.
 [[nodiscard]] Expected<StoredBackground> parse_background(std::span<const std::byte> bytes, std::string_view name);
 [[nodiscard]] Expected<StoredBackground> read_background(const std::filesystem::path& file);
-/// The file appears when it is complete.
-[[nodiscard]] Expected<void> write_background(const std::filesystem::path& file, const StoredBackground& background);
+/// The bytes that parse_background() reads back to the same.
+[[nodiscard]] std::string print_background(const StoredBackground& background);
 
 }  // namespace armature

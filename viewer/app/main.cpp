@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   server->needs(keys);
   app.add_flag("--person", arguments.person, "walk with a synthetic person: starts a daemon of its own");
   app.add_flag("--headless", arguments.headless, "no window: play the script and end");
+  app.set_version_flag("--version", ARMATURE_VERSION);
   app.footer("Commands, in scripts and in the log of the window:\n" + list_of_commands() +
              "\nA line that begins with `try` may fail. # begins a comment.\n\n"
              "Examples:\n"

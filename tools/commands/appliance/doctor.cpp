@@ -136,22 +136,24 @@ void add_doctor(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "doctor", "Find what is wrong: permissions, busy devices, USB bandwidth and power, configuration, model, ports");
   command->add_option("--config", options->config, "The daemon's TOML file")->type_name("FILE");
-  command
-      ->add_option("--site", options->site.source,
-                   "Commission a site: look at the empty place through this source and say how the sensor stands, "
-                   "whether it sees the floor, and what the active zone should be")
-      ->type_name("URI");
+  CLI::Option* site =
+      command
+          ->add_option("--site", options->site.source,
+                       "Commission a site: look at the empty place through this source and say how the sensor stands, "
+                       "whether it sees the floor, and what the active zone should be")
+          ->type_name("URI");
   command
       ->add_option("--background", options->site.background,
                    "With --site: store the empty place in FILE.pgm, for segmentation.background in the configuration")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->needs(site);
   command->add_option("--seconds", options->site.seconds, "How long to look at the site")
       ->check(CLI::Range(0.5, 60.0))
       ->capture_default_str();
   command->add_flag("--json", options->json, "One JSON object a finding");
   command->footer(
-      "Exits 1 when there is a problem.\n\nExample:\n  armature doctor --config /etc/armature/armatured.toml --site "
-      "freenect:0 --background /etc/armature/background.pgm");
+      "Exits 1 when there is a problem.\n\nExample:\n  armature doctor --config /etc/armature/daemon/armatured.toml "
+      "--site freenect:0 --background /etc/armature/background.pgm");
   command->callback([options, &run] { run = [options] { return examine(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 
 #include "firmware_host/control/usb.h"
 #include "tools/interrupt.h"
+#include "tools/output_file.h"
 #include "tracker/segmentation/segmenter.h"
 #include "tracker/segmentation/stored_background.h"
 #include "tracker/synth/open_source.h"
@@ -21,10 +22,12 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMostKept = 90;  // frames for the background
+constexpr auto kPatience = 500ms;
+constexpr int kMostSilences = 20;  // before the first frame: 10 s
 
 void store_background(const std::string& file, std::span<const DepthFrame> frames, Findings& findings) {
   const StoredBackground background = median_of(frames);
-  if (const auto written = write_background(file, background); !written)
+  if (const auto written = write_file(file, print_background(background)); !written)
     return findings.bad("background", written.error().message, "a folder that this user may write to");
   const auto known = std::ranges::count_if(background.depth_mm, [](auto depth) { return depth != 0; });
   findings.good("background",
@@ -42,15 +45,15 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
   DepthFrame frame;
   std::chrono::nanoseconds first{-1};
   FloorPlane floor;
-  int frames = 0, with_floor = 0, with_people = 0;
+  int frames = 0, silences = 0, with_floor = 0, with_people = 0;
   double seen_share = 0;
   std::vector<DepthFrame> kept;
   while (!interrupt.requested()) {
-    const auto status = (*source)->read(frame, 500ms);
+    const auto status = (*source)->read(frame, kPatience);
     if (!status) return findings.bad("site", status.error().message, "see above");
     if (*status == ReadStatus::EndOfStream) break;
     if (*status == ReadStatus::Timeout) {
-      if (frames == 0) continue;
+      if (frames == 0 && ++silences < kMostSilences) continue;
       break;
     }
     if (first.count() < 0) first = frame.sensor.time;

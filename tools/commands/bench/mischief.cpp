@@ -69,7 +69,9 @@ void Mischiefs::write_config(const char* max_walk) const {
 }
 
 Mischief Mischiefs::commit(const std::function<void()>& request_reload) {
-  const auto which = static_cast<Mischief>(random_() % kMischiefNames.size());
+  const auto draw = [this] { return static_cast<Mischief>(random_() % kMischiefNames.size()); };
+  auto which = draw();
+  while (which == Mischief::FullDisk && !record_to_a_full_disk()) which = draw();
   switch (which) {
     case Mischief::SubscriberFlood:
       for (int i = 0; i < 8; ++i) crowd_.push_back(std::make_unique<navproto::NavSubscriber>(endpoint()));
@@ -91,7 +93,7 @@ Mischief Mischiefs::commit(const std::function<void()>& request_reload) {
     case Mischief::HostileRequests: ask_for_what_may_not_be(1); break;
     case Mischief::HostileMessages: begin_message(); break;
     case Mischief::ControlFlood: ask_for_what_may_not_be(kFlood); break;
-    case Mischief::FullDisk: record_to_a_full_disk(); break;
+    case Mischief::FullDisk: break;  // under way
   }
   return which;
 }
@@ -138,11 +140,12 @@ void Mischiefs::ask_for_what_may_not_be(int times) {
   for (int i = 0; client && i < times; ++i) (void)client->request(request, i == 0 ? 1ms : 0ms);
 }
 
-/// `armature record` beside the daemon, which may write so many bytes and no more.
-void Mischiefs::record_to_a_full_disk() {
+/// `armature record` beside the daemon, which may write so many bytes and no more. False where the one before still
+/// does: one at a time, each keeps a core busy.
+bool Mischiefs::record_to_a_full_disk() {
   look_after_recorder();
-  if (recorder_ > 0) return;  // one at a time: each keeps a core busy
-  const auto out = folder_ / "visitor.oni";
+  if (recorder_ > 0) return false;
+  const auto out = recording();
   std::error_code ignored;
   std::filesystem::remove(out, ignored);
   const std::string feed = "feed:" + endpoint();
@@ -158,13 +161,17 @@ void Mischiefs::record_to_a_full_disk() {
     ::_exit(127);
   }
   recorder_until_ = std::chrono::steady_clock::now() + kRecorderPatience;
+  return recorder_ > 0;
 }
 
 void Mischiefs::look_after_recorder() {
   if (recorder_ <= 0) return;
   int status = 0;
   if (::waitpid(recorder_, &status, WNOHANG) == recorder_) {
-    recordings_ended_ += WIFEXITED(status) && WEXITSTATUS(status) == 1 ? 1 : 0;
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(recording(), none);
+    const bool disk_was_full = !none && bytes >= kDiskBytes;
+    recordings_ended_ += disk_was_full && WIFEXITED(status) && WEXITSTATUS(status) == 1 ? 1 : 0;
     recorder_ = -1;
   } else if (std::chrono::steady_clock::now() >= recorder_until_) {
     ::kill(recorder_, SIGKILL);

@@ -43,11 +43,11 @@ class Mischiefs {
   [[nodiscard]] std::string endpoint() const { return "ipc://" + nav_.string(); }
   [[nodiscard]] const std::filesystem::path& config_file() const noexcept { return config_file_; }
 
-  /// One of them, drawn by lot; `request_reload` is the daemon's.
+  /// One of them, drawn by lot and again where it cannot be had now; `request_reload` is the daemon's.
   Mischief commit(const std::function<void()>& request_reload);
   /// Everybody who still hangs on goes. A recorder may take its time: five seconds, in our time.
   void over();
-  /// Recordings that met a full disk and ended by themselves.
+  /// Recordings that filled their disk and said so.
   [[nodiscard]] std::uint64_t recordings_ended() const noexcept { return recordings_ended_; }
 
  private:
@@ -56,7 +56,8 @@ class Mischiefs {
   void begin_message();
   void hang_up();
   void ask_for_what_may_not_be(int times);
-  void record_to_a_full_disk();
+  bool record_to_a_full_disk();
+  [[nodiscard]] std::filesystem::path recording() const { return folder_ / "visitor.oni"; }
   void look_after_recorder();
 
   std::filesystem::path folder_, nav_, config_file_;

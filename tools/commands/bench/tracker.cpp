@@ -130,7 +130,9 @@ Expected<Times> measure(std::vector<DepthFrame>& frames, const std::shared_ptr<c
       if (times.total_us.size() % 64 == 0) bar.update(static_cast<double>(times.total_us.size()) / work);
     }
     offset += frames.back().sensor.time - frames.front().sensor.time + 33ms;
-    if (round < 0 && !(*beside)->under_way()) {
+    const auto under_way = (*beside)->under_way();
+    if (!under_way) return tl::unexpected(under_way.error());
+    if (round < 0 && !*under_way) {
       if (++warming_up > kMostWarmingUp) return fail("bench tracker: the recording beside does not begin");
       --round;
     }

@@ -61,8 +61,14 @@ void TrackerLoad::offer(DepthView frame, std::span<const std::uint8_t> user_of_p
   if (feed_) feed_->offer(frame, user_of_pixel);
 }
 
-bool TrackerLoad::under_way() const {
+Expected<bool> TrackerLoad::under_way() const {
   if (recorder_ <= 0) return true;
+  siginfo_t ended{};
+  if (::waitid(P_PID, static_cast<id_t>(recorder_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid != 0)
+    return fail(std::string("the recorder beside ") +
+                (ended.si_code == CLD_EXITED ? "ended with " : "died of signal ") + std::to_string(ended.si_status) +
+                " while it was to record " + recording_.string() +
+                "; `armature record feed:ENDPOINT FILE.oni` beside a daemon says why");
   std::error_code none_yet;
   const auto bytes = std::filesystem::file_size(recording_, none_yet);
   return !none_yet && bytes > kBegunBytes;

@@ -36,8 +36,8 @@ class TrackerLoad {
 
   /// As the daemon does it after each frame.
   void offer(DepthView frame, std::span<const std::uint8_t> user_of_pixel) noexcept;
-  /// Whether everything is under way: a recording has begun.
-  [[nodiscard]] bool under_way() const;
+  /// Whether everything is under way: a recording has begun. Fails once the recorder has ended.
+  [[nodiscard]] Expected<bool> under_way() const;
 
  private:
   TrackerLoad() = default;
