@@ -123,13 +123,15 @@ double distance(const Mesh& mesh, const Part& from, const Searched& to, const Ma
   std::size_t looked_at = 0;
   std::size_t off = 0;
   double sum = 0;
+  const auto most_off =
+      static_cast<std::size_t>((1 - kOnIt) * static_cast<double>((from.vertices.size() + step - 1) / step));
   for (std::size_t i = 0; i < from.vertices.size(); i += step, ++looked_at) {
     const auto found = to.tree.find(carried(turn, from, *to.part, mesh.positions[from.vertices[i]]), edge2);
     off += found.point == kNoIndex ? 1U : 0U;
+    if (off > most_off) return std::numeric_limits<double>::infinity();
     sum += std::sqrt(found.distance2 / edge2);
   }
-  const auto count = static_cast<double>(looked_at);
-  return static_cast<double>(off) > (1 - kOnIt) * count ? std::numeric_limits<double>::infinity() : sum / count;
+  return sum / static_cast<double>(looked_at);
 }
 
 /// The vertex of a part that is clearly the closest to a place; kNoIndex for none.
@@ -154,12 +156,14 @@ std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const
 
 }  // namespace
 
-std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh) {
+Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task) {
   const std::vector<Part> parts = parts_of(mesh);
   std::vector<std::uint32_t> classes(mesh.positions.size(), kNoIndex);
   std::vector<std::uint8_t> done(parts.size(), 0);
   std::uint32_t count = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (task.stopped()) return cancelled();
+    task.report("finding counterparts", static_cast<double>(k) / static_cast<double>(parts.size()));
     const Part& first = parts[k];
     if (std::exchange(done[k], std::uint8_t{1}) != 0 || !(first.area > 0)) continue;
     const Searched searched(mesh, first);
@@ -181,6 +185,7 @@ std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh) {
     }
     for (std::size_t other = k + 1; other < parts.size(); ++other) {
       if (done[other] != 0 || !may_be_alike(first, parts[other])) continue;
+      if (task.stopped()) return cancelled();
       const Searched there(mesh, parts[other]);
       double least = std::numeric_limits<double>::infinity();
       Matrix3d best = Matrix3d::Identity();
@@ -213,6 +218,7 @@ std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh) {
 Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
   if (std::ranges::all_of(classes, [](std::uint32_t c) { return c == kNoIndex; })) return;
   kinds_.resize(classes.size(), 0);
+  place_.resize(classes.size(), 0);
   into_.resize(classes.size());
   std::iota(into_.begin(), into_.end(), 0U);
   holds_.resize(classes.size(), kNoIndex);
@@ -225,16 +231,16 @@ Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
     z = (z ^ (z >> 30)) * 0xBF58'476D'1CE4'E5B9U;
     z = (z ^ (z >> 27)) * 0x94D0'49BB'1331'11EBU;
     kinds_[v] = z ^ (z >> 31);
-    slots_[kinds_[v]].push_back(v);
+    add(v);
     holds_[v] = v;
     const auto [first, is_new] = of_class.try_emplace(classes[v], v);
     if (!is_new) std::swap(next_[v], next_[first->second]);
   }
 }
 
-std::uint32_t Counterparts::slot_of(std::uint32_t vertex) noexcept {
-  while (into_[vertex] != vertex) vertex = into_[vertex] = into_[into_[vertex]];
-  return vertex;
+std::uint32_t Counterparts::holder(std::uint32_t slot) noexcept {
+  while (into_[slot] != slot) slot = into_[slot] = into_[into_[slot]];
+  return slot;
 }
 
 std::span<const std::uint32_t> Counterparts::of(std::uint64_t kind) const {
@@ -242,26 +248,38 @@ std::span<const std::uint32_t> Counterparts::of(std::uint64_t kind) const {
   return found == slots_.end() ? std::span<const std::uint32_t>{} : found->second;
 }
 
+void Counterparts::add(std::uint32_t slot) {
+  auto& slots = slots_[kinds_[slot]];
+  place_[slot] = static_cast<std::uint32_t>(slots.size());
+  slots.push_back(slot);
+}
+
 void Counterparts::remove(std::uint32_t slot) {
   if (kinds_[slot] == 0) return;
   const auto found = slots_.find(kinds_[slot]);
-  std::erase(found->second, slot);
-  if (found->second.empty()) slots_.erase(found);
+  auto& slots = found->second;
+  slots[place_[slot]] = slots.back();
+  place_[slots.back()] = place_[slot];
+  slots.pop_back();
+  if (slots.empty()) slots_.erase(found);
 }
 
-std::span<const std::uint32_t> Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
-  behind_.clear();
-  if (kinds_.empty()) return behind_;
+void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
+  if (kinds_.empty()) return;
   into_[gone] = kept;
-  if (kinds_[gone] == 0) return behind_;
+  if (kinds_[gone] == 0) return;
   remove(kept);
   remove(gone);
   kinds_[kept] += std::exchange(kinds_[gone], 0);
-  if (kinds_[kept] != 0) slots_[kinds_[kept]].push_back(kept);
-  for (const auto held : {holds_[kept], holds_[gone]})
-    for (auto v = held; held != kNoIndex && (v = next_[v]) != held;)
-      if (const auto slot = slot_of(v); kinds_[slot] != kinds_[kept]) behind_.push_back(slot);
+  if (kinds_[kept] != 0) add(kept);
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
+}
+
+std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot) {
+  behind_.clear();
+  if (kind(slot) == 0) return behind_;
+  for (auto v = next_[holds_[slot]]; v != holds_[slot]; v = next_[v])
+    if (const auto other = holder(v); kinds_[other] != kinds_[slot]) behind_.push_back(other);
   return behind_;
 }
 

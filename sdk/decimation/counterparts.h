@@ -5,7 +5,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include <armature/sdk/error.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/task.h>
 
 namespace armature::sdk {
 
@@ -13,7 +15,7 @@ namespace armature::sdk {
 /// those of a component that does so with itself. Vertices correspond where each is the closest to where the other
 /// comes to lie. By vertex a class of its own kind; kNoIndex for what has no counterpart. Turns are those that lay
 /// principal axes onto one another, and none; so shapes that have no principal axes, as a ball, are found only shifted.
-[[nodiscard]] std::vector<std::uint32_t> counterpart_classes(const Mesh& mesh);
+[[nodiscard]] Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task);
 
 /// Keeps track of which regions correspond while they are joined. A region's kind is the sum of numbers drawn for the
 /// classes of its vertices (Zobrist 1970), so that regions correspond if they hold the same classes, however they came
@@ -28,16 +30,21 @@ class Counterparts {
   [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept { return kinds_.empty() ? 0 : kinds_[slot]; }
   /// The slots of a kind other than 0, in no order that matters.
   [[nodiscard]] std::span<const std::uint32_t> of(std::uint64_t kind) const;
-  /// Two slots became one. Returns slots of another kind, each of which holds what corresponds to something in it;
-  /// valid until the next call.
-  std::span<const std::uint32_t> merge(std::uint32_t kept, std::uint32_t gone);
+  /// Two slots became one.
+  void merge(std::uint32_t kept, std::uint32_t gone);
+  /// Slots of another kind that hold what corresponds to something in a slot: all that together could become its like.
+  /// Valid until the next call.
+  std::span<const std::uint32_t> behind(std::uint32_t slot);
+  /// The slot that what was in a slot at first is in now.
+  [[nodiscard]] std::uint32_t holder(std::uint32_t slot) noexcept;
 
  private:
+  void add(std::uint32_t slot);
   void remove(std::uint32_t slot);
-  [[nodiscard]] std::uint32_t slot_of(std::uint32_t vertex) noexcept;
 
   std::vector<std::uint64_t> kinds_;  // by slot; empty if no vertices correspond
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_;
+  std::vector<std::uint32_t> place_;  // by slot: where it stands among those of its kind
   std::vector<std::uint32_t> into_;   // by slot: chains that end at one in use
   std::vector<std::uint32_t> holds_;  // by slot: a vertex in it that has counterparts; kNoIndex for none
   std::vector<std::uint32_t> next_;   // by vertex: the next of its class, in a ring

@@ -29,8 +29,19 @@ bool does_one_at_a_time(const SimilarityOptions& options) {
   return options.threshold == 0 && !options.adaptive;
 }
 
-std::vector<std::uint32_t> classes_of(const Mesh& mesh, const SimilarityOptions& options) {
-  return options.in_step ? counterpart_classes(mesh) : std::vector<std::uint32_t>{};
+/// What tells likeness of regions by a descriptor, and what it took to find counterparts.
+Expected<std::unique_ptr<SimilarRegions>> similar_regions(const Mesh& mesh, const Descriptor& descriptor,
+                                                          const SimilarityOptions& options, double& counterparts_ms,
+                                                          const Task& task) {
+  const auto start = Clock::now();
+  std::vector<std::uint32_t> classes;
+  if (options.in_step) {
+    auto found = counterpart_classes(mesh, task);
+    if (!found) return tl::unexpected(found.error());
+    classes = std::move(*found);
+  }
+  counterparts_ms = milliseconds_since(start);
+  return std::make_unique<SimilarRegions>(descriptor, classes, options);
 }
 
 }  // namespace
@@ -53,35 +64,40 @@ Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const 
   }
 }
 
-Expected<HierarchyBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
-                                                 const HierarchyOptions& options, const SimilarityOptions& similarity,
-                                                 const Task& task) {
+Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
+                                               const HierarchyOptions& options, const SimilarityOptions& similarity,
+                                               const Task& task) {
   if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
   if (descriptor.size() != mesh.positions.size())
     return fail("descriptor: expected one of the mesh's " + std::to_string(mesh.positions.size()) +
                 " vertices, found one of " + std::to_string(descriptor.size()));
-  if (does_one_at_a_time(similarity)) return build_hierarchy(mesh, options, task);
-  SimilarRegions regions(descriptor, classes_of(mesh, similarity), similarity);
-  return build_hierarchy_with(&regions, mesh, options, task);
+  SimilarBuild result;
+  std::unique_ptr<SimilarRegions> regions;
+  if (!does_one_at_a_time(similarity)) {
+    auto made = similar_regions(mesh, descriptor, similarity, result.counterparts_ms, task);
+    if (!made) return tl::unexpected(made.error());
+    regions = std::move(*made);
+  }
+  auto build = build_hierarchy_with(regions.get(), mesh, options, task);
+  if (!build) return tl::unexpected(build.error());
+  result.build = std::move(*build);
+  return result;
 }
 
 Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options,
                                                const SimilarityOptions& similarity, const Task& task) {
   if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
-  SimilarBuild result;
   if (does_one_at_a_time(similarity) || mesh.positions.empty()) {
     auto plain = build_hierarchy(mesh, options, task);
     if (!plain) return tl::unexpected(plain.error());
-    result.build = std::move(*plain);
-    return result;
+    return SimilarBuild{.build = std::move(*plain)};
   }
   const auto start = Clock::now();
   const auto descriptor = region_descriptor(mesh, similarity, task);
   if (!descriptor) return tl::unexpected(descriptor.error());
-  result.descriptor_ms = milliseconds_since(start);
-  auto build = build_similar_hierarchy(mesh, **descriptor, options, similarity, task);
-  if (!build) return tl::unexpected(build.error());
-  result.build = std::move(*build);
+  const double descriptor_ms = milliseconds_since(start);
+  auto result = build_similar_hierarchy(mesh, **descriptor, options, similarity, task);
+  if (result) result->descriptor_ms = descriptor_ms;
   return result;
 }
 
@@ -89,17 +105,19 @@ Expected<SimilarMesh> decimate_similar_mesh(const Mesh& mesh, const DecimateMesh
                                             const SimilarityOptions& similarity, const Task& task) {
   if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
   SimilarMesh result;
-  auto start = Clock::now();
   std::unique_ptr<Descriptor> descriptor;
   std::unique_ptr<SimilarRegions> regions;
   if (!does_one_at_a_time(similarity) && !mesh.positions.empty()) {
+    const auto start = Clock::now();
     auto made = region_descriptor(mesh, similarity, task);
     if (!made) return tl::unexpected(made.error());
     descriptor = std::move(*made);
-    regions = std::make_unique<SimilarRegions>(*descriptor, classes_of(mesh, similarity), similarity);
     result.descriptor_ms = milliseconds_since(start);
+    auto alike = similar_regions(mesh, *descriptor, similarity, result.counterparts_ms, task);
+    if (!alike) return tl::unexpected(alike.error());
+    regions = std::move(*alike);
   }
-  start = Clock::now();
+  const auto start = Clock::now();
   std::vector<std::uint32_t> steps;
   auto decimated = decimate_mesh_with(regions.get(), steps, mesh, options, task);
   if (!decimated) return tl::unexpected(decimated.error());

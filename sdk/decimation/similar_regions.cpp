@@ -83,15 +83,15 @@ double SimilarRegions::threshold(std::span<double> dissimilarities) const {
   return kMostAdaptive;
 }
 
-std::span<const std::uint32_t> SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
+void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
   looks_ += kLooksEarned;
-  const auto behind = counterparts_.merge(kept, gone);
+  counterparts_.merge(kept, gone);
   areas_[kept] += areas_[gone];
   if (place_[kept] == kNoIndex && place_[gone] != kNoIndex) {
     descriptor_.describe(VertexId(kept), scratch_);
     std::swap(place_[kept], place_[gone]);
     descriptor_.aggregate(row(place_[kept]), scratch_);
-    return behind;
+    return;
   }
   if (place_[kept] == kNoIndex) {
     if (free_.empty()) {
@@ -105,12 +105,11 @@ std::span<const std::uint32_t> SimilarRegions::merged(std::uint32_t kept, std::u
   if (place_[gone] == kNoIndex) {
     descriptor_.describe(VertexId(gone), scratch_);
     descriptor_.aggregate(row(place_[kept]), scratch_);
-    return behind;
+    return;
   }
   descriptor_.aggregate(row(place_[kept]), row(place_[gone]));
   free_.push_back(place_[gone]);
   place_[gone] = kNoIndex;
-  return behind;
 }
 
 }  // namespace armature::sdk

@@ -28,7 +28,9 @@ class SimilarRegions final : public SimilarCollapses {
   [[nodiscard]] std::span<const std::uint32_t> slots_of(std::uint64_t kind) const override {
     return counterparts_.of(kind);
   }
-  std::span<const std::uint32_t> merged(std::uint32_t kept, std::uint32_t gone) override;
+  void merged(std::uint32_t kept, std::uint32_t gone) override;
+  std::span<const std::uint32_t> behind(std::uint32_t slot) override { return counterparts_.behind(slot); }
+  std::uint32_t holder(std::uint32_t slot) override { return counterparts_.holder(slot); }
 
  private:
   /// Writes the descriptor of the union of two slots.

@@ -86,11 +86,13 @@ Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const 
   Mesh result = mesh;
   result.face_colours.clear();
   if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), kPlainColour);
-  for (std::size_t v = 0; v < weights.size(); ++v)
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    const double weight = weights[v] > 0 ? std::min(weights[v], 1.0) : 0;
     for (std::size_t k = 0; k < colour.size(); ++k) {
       auto& own = result.vertex_colours[v][k];
-      own = static_cast<std::uint8_t>(std::lround(own + weights[v] * (colour[k] - own)));
+      own = static_cast<std::uint8_t>(std::lround(own + weight * (colour[k] - own)));
     }
+  }
   return result;
 }
 

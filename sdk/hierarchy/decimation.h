@@ -44,9 +44,12 @@ class SimilarCollapses {
   [[nodiscard]] virtual std::uint64_t kind(std::uint32_t slot) const noexcept = 0;
   /// The slots of a kind other than 0.
   [[nodiscard]] virtual std::span<const std::uint32_t> slots_of(std::uint64_t kind) const = 0;
-  /// Two slots became one. Returns slots of another kind that hold what corresponds to something in it; valid until the
-  /// next call.
-  virtual std::span<const std::uint32_t> merged(std::uint32_t kept, std::uint32_t gone) = 0;
+  /// Two slots became one.
+  virtual void merged(std::uint32_t kept, std::uint32_t gone) = 0;
+  /// Slots of another kind that hold what corresponds to something in a slot; valid until the next call.
+  virtual std::span<const std::uint32_t> behind(std::uint32_t slot) = 0;
+  /// What a slot that was merged, or what it was merged into, is part of now.
+  virtual std::uint32_t holder(std::uint32_t slot) = 0;
 };
 
 /// Collapses edges in the order of what they cost by a metric, which offers
@@ -97,6 +100,11 @@ class Decimation {
     std::uint32_t edge = kNoIndex;
     Fit fit = {};
   };
+  /// What a step leaves to the next.
+  struct Left {
+    std::uint32_t edge;           // which may become one with another
+    CollapseComplex::Pair slots;  // its ends, which may be merged
+  };
   /// Collapses of edges whose ends correspond, in `ready_`.
   struct Group {
     std::size_t first = 0, count = 0;
@@ -125,15 +133,17 @@ class Decimation {
   static constexpr std::uint32_t kPenalty = 0x8000'0000U;
   static constexpr std::uint32_t kForbidden = 0x7F80'0000U;  // infinity
   static constexpr std::uint32_t kNever = 0xFFFF'FFFFU;
-  // What has no counterpart yet, or touches it, waits until it has cost so many times.
+  // What has no counterpart yet, or touches it, waits until it has cost so many times; and again, from there on,
+  // whenever an end has grown.
   static constexpr double kPatience = 4;
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {
-    kStale = 1,  // its ends have changed since its cost was found
-    kWaits = 2,  // not in the queue until something changes nearby
-    kTaken = 4,  // in a group of this step
-    kOut = 8,    // so, and no longer in the queue
-    kAlone = 16  // has waited for counterparts in vain
+    kStale = 1,   // its ends have changed since its cost was found
+    kWaits = 2,   // not in the queue until something changes nearby
+    kTaken = 4,   // in a group of this step
+    kOut = 8,     // so, and no longer in the queue
+    kAlone = 16,  // has waited for counterparts in vain
+    kRest = 32    // in rest_
   };
 
   [[nodiscard]] static std::uint32_t key_of(double cost) noexcept {
@@ -148,10 +158,21 @@ class Decimation {
   bool take_similar(std::uint32_t most);
   /// Appends the group of the cheapest collapse, unless its key is above `most`; false if there is none.
   bool take_group(std::uint32_t most);
-  /// Appends what the last step left of its first group.
-  bool take_rest();
-  /// Has slots joined next that together become what corresponds to one that was just made.
-  void catch_up(std::uint32_t slot, std::span<const std::uint32_t> behind);
+  /// The edge that something left is now; kNoIndex if its ends are one.
+  [[nodiscard]] std::uint32_t edge_of(const Left& left);
+  /// Appends what the last step left to do, as far as it is independent; false if there is none.
+  bool take_rest(std::uint32_t most);
+  /// Appends the group of the cheapest collapse as far as it is independent, and leaves the rest of it to the next
+  /// step; false if there is none.
+  bool take_first(std::uint32_t most);
+  /// Has slots joined next that together become what corresponds to one that the step made.
+  void catch_up();
+  /// Has an edge collapsed in the next step.
+  void postpone(std::uint32_t edge) {
+    if ((complex_.note(edge) & kRest) != 0) return;
+    complex_.note(edge) |= kRest;
+    rest_.push_back({edge, complex_.edge(edge)});
+  }
   /// Appends to `ready_` the collapses of all edges between slots of two kinds, but one edge; whether each of those
   /// slots has one.
   bool gather(std::uint64_t a, std::uint64_t b, std::uint32_t but);
@@ -161,7 +182,7 @@ class Decimation {
   void close_group(std::size_t first);
   /// Chooses a group if all of it is independent, and of one another.
   void choose_whole(Group& group, std::uint32_t& most);
-  void give_back(const Group& group);
+  void give_back(std::uint32_t edge);
   [[nodiscard]] std::uint32_t dearest(std::uint32_t key) const noexcept;
   [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
   /// Whether none of them is near another.
@@ -183,9 +204,10 @@ class Decimation {
   std::vector<Ready> ready_;
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
-  std::vector<CollapseComplex::Pair> rest_;  // of the last step's first group: slots
-  Marks reserved_;                           // near a chosen collapse
-  Marks near_;                               // of apart()
+  std::vector<Left> rest_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
+  Marks reserved_;                                             // near a chosen collapse
+  Marks near_;                                                 // of apart()
   std::vector<std::uint32_t> steps_;
 };
 
@@ -274,9 +296,6 @@ CollapseComplex::Merged Decimation<Metric>::perform(Ready& ready) {
   if (merged.slot != a) ready.fit.centre() += metric_.position(a) - metric_.position(b);
   metric_.merge(merged.slot, merged.gone, ready.fit);
   refresh(merged);
-  for (auto& pair : rest_)
-    for (auto& slot : pair)
-      if (slot == merged.gone) slot = merged.slot;
   return merged;
 }
 
@@ -289,14 +308,19 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
          (similar_ == nullptr ? take(kNever, ready_[0]) : take_similar(first + count - complex_.steps()))) {
     for (Ready& ready : ready_) {
       const auto merged = perform(ready);
-      if (similar_ != nullptr) catch_up(merged.slot, similar_->merged(merged.slot, merged.gone));
+      if (similar_ != nullptr) {
+        similar_->merged(merged.slot, merged.gone);
+        made_.emplace_back(similar_->kind(merged.slot), merged.slot);
+      }
       done(merged.slot, merged.gone);
       if ((complex_.steps() & 1023U) == 0) {
         if (task.stopped()) return false;
         task.report("decimating", static_cast<double>(complex_.steps() - first) / count);
       }
     }
-    if (similar_ != nullptr) steps_.push_back(complex_.steps());
+    if (similar_ == nullptr) continue;
+    catch_up();
+    steps_.push_back(complex_.steps());
   }
   return true;
 }

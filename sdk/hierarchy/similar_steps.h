@@ -111,31 +111,67 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
 }
 
 template <class Metric>
-bool Decimation<Metric>::take_rest() {
-  for (const auto& [a, b] : rest_) {
-    if (a == b) continue;
-    const auto edges = complex_.edges_of(a);
-    const auto found = std::ranges::find_if(edges, [&](std::uint32_t edge) {
-      const auto [u, v] = complex_.edge(edge);
-      return u == b || v == b;
-    });
+std::uint32_t Decimation<Metric>::edge_of(const Left& left) {
+  if (complex_.alive(left.edge)) return left.edge;
+  const std::uint32_t a = similar_->holder(left.slots[0]);
+  const std::uint32_t b = similar_->holder(left.slots[1]);
+  for (const auto edge : complex_.edges_of(a))
+    if (a != b && std::ranges::find(complex_.edge(edge), b) != complex_.edge(edge).end()) return edge;
+  return kNoIndex;
+}
+
+template <class Metric>
+bool Decimation<Metric>::take_rest(std::uint32_t most) {
+  std::vector<Left> rest;
+  rest.swap(rest_);
+  for (const Left& left : rest) {
+    const std::uint32_t edge = edge_of(left);
+    if (edge == kNoIndex) continue;
+    complex_.note(edge) &= static_cast<std::uint8_t>(~kRest);
     Ready ready;
-    if (found != edges.end() && evaluate(*found, ready)) ready_.push_back(ready);
+    if (ready_.size() == most || !independent(edge)) {
+      postpone(edge);
+    } else if (evaluate(edge, ready)) {
+      reserved_.around(complex_, edge);
+      ready_.push_back(ready);
+    }
   }
-  rest_.clear();
   if (!ready_.empty()) close_group(0);
   return !ready_.empty();
 }
 
 template <class Metric>
-void Decimation<Metric>::catch_up(std::uint32_t slot, std::span<const std::uint32_t> behind) {
-  const std::uint64_t kind = similar_->kind(slot);
-  for (const auto late : behind)
-    for (const auto edge : complex_.edges_of(late)) {
-      const auto [u, v] = complex_.edge(edge);
-      const std::uint64_t other = similar_->kind(u == late ? v : u);
-      if (other != 0 && similar_->kind(late) + other == kind) rest_.push_back({u, v});
+bool Decimation<Metric>::take_first(std::uint32_t most) {
+  if (!take_group(kNever)) return false;
+  std::size_t kept = 0;
+  for (const Ready& member : ready_) {
+    if (kept < most && independent(member.edge)) {
+      reserved_.around(complex_, member.edge);
+      ready_[kept++] = member;
+    } else {
+      give_back(member.edge);
+      postpone(member.edge);
     }
+  }
+  ready_.resize(kept);
+  groups_.front().count = kept;
+  return true;
+}
+
+template <class Metric>
+void Decimation<Metric>::catch_up() {
+  std::ranges::sort(made_);
+  std::uint64_t done = 0;
+  for (const auto& [kind, slot] : made_) {
+    if (kind == std::exchange(done, kind)) continue;
+    for (const auto late : similar_->behind(slot))
+      for (const auto edge : complex_.edges_of(late)) {
+        const auto [u, v] = complex_.edge(edge);
+        const std::uint64_t other = similar_->kind(u == late ? v : u);
+        if (other != 0 && similar_->kind(late) + other == kind) postpone(edge);
+      }
+  }
+  made_.clear();
 }
 
 template <class Metric>
@@ -160,11 +196,9 @@ void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
 }
 
 template <class Metric>
-void Decimation<Metric>::give_back(const Group& group) {
-  for (const Ready& left : std::span(ready_).subspan(group.first, group.count)) {
-    if ((complex_.note(left.edge) & kOut) != 0) queue_.push(entry(left.edge));
-    complex_.note(left.edge) &= static_cast<std::uint8_t>(~(kTaken | kOut));
-  }
+void Decimation<Metric>::give_back(std::uint32_t edge) {
+  if ((complex_.note(edge) & kOut) != 0) queue_.push(entry(edge));
+  complex_.note(edge) &= static_cast<std::uint8_t>(~(kTaken | kOut));
 }
 
 template <class Metric>
@@ -172,23 +206,13 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   ready_.clear();
   groups_.clear();
   reserved_.next(complex_.slot_count());
-  if (!take_rest() && !take_group(kNever)) return false;
-
-  // The first group goes as far as it is independent; what is left of it is the next step's.
-  std::vector<Ready> chosen;
-  const auto [a, b] = complex_.edge(ready_[0].edge);
-  const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
-  for (const Ready& member : ready_) {
-    if (chosen.size() < most && independent(member.edge)) {
-      reserved_.around(complex_, member.edge);
-      chosen.push_back(member);
-    } else {
-      rest_.push_back(complex_.edge(member.edge));
-    }
-  }
-  most -= static_cast<std::uint32_t>(chosen.size());
+  if (!take_rest(most) && !take_first(most)) return false;
+  groups_.front().chosen = true;
+  most -= static_cast<std::uint32_t>(ready_.size());
 
   // What may come along, by what it costs.
+  const auto [a, b] = complex_.edge(ready_[0].edge);
+  const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   const std::size_t looks = similar_->begin(a, b);
   dissimilarities_.clear();
   while (groups_.size() <= looks && take_group(dear)) {
@@ -201,14 +225,15 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   for (Group& group : std::span(groups_).subspan(1))
     if (group.dissimilarity < below) choose_whole(group, most);
 
-  for (const Group& group : groups_) {
-    if (group.chosen)
-      chosen.insert(chosen.end(), ready_.begin() + static_cast<std::ptrdiff_t>(group.first),
-                    ready_.begin() + static_cast<std::ptrdiff_t>(group.first + group.count));
-    else
-      give_back(group);
-  }
-  ready_.swap(chosen);
+  std::size_t kept = 0;
+  for (const Group& group : groups_)
+    for (const Ready& member : std::span(ready_).subspan(group.first, group.count)) {
+      if (group.chosen)
+        ready_[kept++] = member;
+      else
+        give_back(member.edge);
+    }
+  ready_.resize(kept);
   return true;
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stop_token>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -40,7 +42,7 @@ TEST(SimilarDecimation, OfThresholdZeroIsThePlainHierarchyBitByBit) {
       ASSERT_TRUE(made);
       const auto similar = build_similar_hierarchy(mesh, **made, {}, {.descriptor = descriptor, .threshold = 0});
       ASSERT_TRUE(similar);
-      EXPECT_EQ(encode_hierarchy(similar->hierarchy), bytes);
+      EXPECT_EQ(encode_hierarchy(similar->build.hierarchy), bytes);
     }
   }
 }
@@ -98,6 +100,36 @@ TEST(SimilarDecimation, SimplifiesTwinsInStep) {
       EXPECT_LT(evenness(similar_of(mesh, {.threshold = 0}), most), 0.5);
     }
   }
+}
+
+TEST(SimilarDecimation, SimplifiesHundredsOfCopiesInStep) {
+  const Mesh one = surfaces::torus(2, 0.7, 10, 6, 0.3);
+  Mesh many;
+  constexpr std::size_t kCopies = 300;
+  for (std::size_t k = 0; k < kCopies; ++k)
+    many = surfaces::together(
+        many, surfaces::moved(one, {6.0 * static_cast<double>(k % 20), 6.0 * static_cast<double>(k / 20), 0}));
+  const Hierarchy h = similar_of(many, {.descriptor = RegionDescriptor::Quadric});
+  std::size_t even = 0;
+  std::size_t levels = 0;
+  for (std::size_t step = 1; step <= h.step_count() && h.spheres_after(step) >= kCopies; ++step, ++levels) {
+    std::array<std::size_t, kCopies> count{};
+    for (const NodeId node : h.nodes_of_level(h.spheres_after(step)))
+      ++count[h.vertices(node)[0].index() / one.positions.size()];
+    even += std::ranges::count(count, count[0]) == kCopies ? 1U : 0U;
+  }
+  EXPECT_LE(levels, one.positions.size());
+  EXPECT_GE(static_cast<double>(even), 0.9 * static_cast<double>(levels));
+}
+
+TEST(SimilarDecimation, StopsWhereAsked) {
+  std::stop_source stop;
+  const Task task{.stop = stop.get_token(), .progress = [&](std::string_view stage, double) {
+                    if (stage == "finding counterparts") stop.request_stop();
+                  }};
+  const auto similar = build_similar_hierarchy(bent(), {}, {}, task);
+  ASSERT_FALSE(similar);
+  EXPECT_EQ(similar.error().message, cancelled().value().message);
 }
 
 TEST(SimilarDecimation, KeepsAMirroredShapeEven) {

@@ -222,7 +222,7 @@ TEST(GlsScales, AreNoneThatBuildRefuses) {
   EXPECT_TRUE(GrowingLeastSquares::build(points));
 }
 
-TEST(Spacing, OfADenseCapTakesNoLonger) {
+TEST(Spacing, OfADenseCapIsThatOfItsPoints) {
   // Many points that differ along the shorter axes alone, and many at one place: looking along the longest axis, as was
   // done, would hold every point against every other.
   PointSet points;

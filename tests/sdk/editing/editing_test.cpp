@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -87,6 +88,16 @@ TEST(VertexEdits, PaintMixesColoursByWeight) {
   ASSERT_TRUE(red);
   EXPECT_EQ(red->vertex_colours[2], (Colour{200, 0, 0}));
   EXPECT_EQ(red->vertex_colours[1], (Colour{214, 214, 210}));
+}
+
+TEST(VertexEdits, PaintGoesNoFurtherThanItsColour) {
+  const Mesh cube = surfaces::cube();
+  const std::vector<double> weights = {3, -2, std::numeric_limits<double>::quiet_NaN(), 1, 0, 0, 0, 0};
+  const auto red = painted(cube, weights, {200, 0, 0});
+  ASSERT_TRUE(red);
+  EXPECT_EQ(red->vertex_colours[0], red->vertex_colours[3]);
+  EXPECT_EQ(red->vertex_colours[1], red->vertex_colours[4]);
+  EXPECT_EQ(red->vertex_colours[2], red->vertex_colours[4]);
 }
 
 /// A lopsided blob.

@@ -51,5 +51,17 @@ TEST(CollapseQueue, GivesTheLeastWhateverIsPushedMeanwhile) {
   EXPECT_TRUE(queue.empty());
 }
 
+TEST(CollapseQueue, HoldsWhatIsEqual) {
+  CollapseQueue queue;
+  for (int k = 0; k < 2000; ++k) queue.append(7);
+  queue.arrange();
+  for (int k = 0; k < 2000; ++k) {
+    ASSERT_FALSE(queue.empty());
+    ASSERT_EQ(queue.top(), 7U);
+    queue.pop();
+  }
+  EXPECT_TRUE(queue.empty());
+}
+
 }  // namespace
 }  // namespace armature::sdk

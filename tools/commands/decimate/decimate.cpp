@@ -41,7 +41,7 @@ struct Arguments {
 /// What a decimation came to.
 struct Outcome {
   std::size_t levels = 0, collapses = 0;
-  double descriptor_ms = 0, decimate_ms = 0;
+  double descriptor_ms = 0, counterparts_ms = 0, decimate_ms = 0;
   std::string what;  ///< for people
 };
 
@@ -62,6 +62,7 @@ Expected<Outcome> decimate_spheres(const Arguments& arguments, const sdk::Mesh& 
   return Outcome{.levels = hierarchy.steps_to(arguments.target),
                  .collapses = hierarchy.leaf_count() - arguments.target,
                  .descriptor_ms = similar->descriptor_ms,
+                 .counterparts_ms = similar->counterparts_ms,
                  .decimate_ms = took.init_ms + took.decimate_ms,
                  .what = fmt::format("{} spheres, {} wire edges, {} triangles", level->spheres.size(),
                                      level->edges.size(), level->triangles.size())};
@@ -76,6 +77,7 @@ Expected<Outcome> decimate_mesh(const Arguments& arguments, const sdk::Mesh& mes
   return Outcome{.levels = similar->steps,
                  .collapses = mesh.positions.size() - coarse.positions.size(),
                  .descriptor_ms = similar->descriptor_ms,
+                 .counterparts_ms = similar->counterparts_ms,
                  .decimate_ms = similar->decimate_ms,
                  .what = fmt::format("{} vertices, {} faces", coarse.positions.size(), coarse.triangles.size())};
 }
@@ -105,6 +107,7 @@ Expected<void> run_decimate(Arguments arguments) {
     return write_json_line(stdout, {{"levels", outcome->levels},
                                     {"collapses", outcome->collapses},
                                     {"descriptor_ms", number(outcome->descriptor_ms)},
+                                    {"counterparts_ms", number(outcome->counterparts_ms)},
                                     {"decimate_ms", number(outcome->decimate_ms)},
                                     {"read_ms", number(read_ms)}});
   fmt::print("{}: {}; {} collapses in {} steps\n", arguments.out, outcome->what, outcome->collapses, outcome->levels);

@@ -48,8 +48,9 @@ struct SimilarityOptions {
 
 /// A hierarchy of fewer steps.
 struct SimilarBuild {
-  HierarchyBuild build;      ///< its hierarchy's steps are those of collapses done together
-  double descriptor_ms = 0;  ///< what the descriptors took, which `build.statistics` leaves out
+  HierarchyBuild build;        ///< its hierarchy's steps are those of collapses done together
+  double descriptor_ms = 0;    ///< what the descriptors took, which `build.statistics` leaves out
+  double counterparts_ms = 0;  ///< what finding counterparts took, which it leaves out as well
 };
 
 /// Decimates a mesh as build_hierarchy() does, but like regions together (thesis, algorithm 4): each step collapses the
@@ -60,17 +61,18 @@ struct SimilarBuild {
                                                              const SimilarityOptions& similarity = {},
                                                              const Task& task = {});
 /// The same with a descriptor of the mesh's vertices that is there already.
-[[nodiscard]] Expected<HierarchyBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
-                                                               const HierarchyOptions& options,
-                                                               const SimilarityOptions& similarity,
-                                                               const Task& task = {});
+[[nodiscard]] Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
+                                                             const HierarchyOptions& options,
+                                                             const SimilarityOptions& similarity,
+                                                             const Task& task = {});
 
 /// A coarser mesh, made in fewer steps.
 struct SimilarMesh {
-  DecimatedMesh decimated;   ///< as of decimate_mesh()
-  std::size_t steps = 0;     ///< of collapses done together
-  double descriptor_ms = 0;  ///< what the descriptors took
-  double decimate_ms = 0;    ///< all else
+  DecimatedMesh decimated;     ///< as of decimate_mesh()
+  std::size_t steps = 0;       ///< of collapses done together
+  double descriptor_ms = 0;    ///< what the descriptors took
+  double counterparts_ms = 0;  ///< what finding counterparts took
+  double decimate_ms = 0;      ///< all else
 };
 
 /// The same with decimate_mesh().

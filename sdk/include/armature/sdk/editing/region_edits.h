@@ -31,7 +31,7 @@ struct HandleEdit {
 /// A colour.
 struct PaintEdit {
   Colour colour = {};   ///< of the vertices
-  double strength = 1;  ///< 0 to 1
+  double strength = 1;  ///< 0 to 1; beyond, as at the nearer of them
 };
 /// The match takes the shape of the reference.
 struct CopyEdit {};

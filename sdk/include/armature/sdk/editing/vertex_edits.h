@@ -37,7 +37,7 @@ struct Transfer {
                                        double length, double amount, const Task& task = {});
 /// The pale grey that a mesh without colours has before it is painted.
 inline constexpr Colour kPlainColour = {214, 214, 210};
-/// Colours mixed in by weight.
+/// Colours mixed in by weight; more than 1 is 1, less than 0 is 0.
 [[nodiscard]] Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const Colour& colour);
 
 }  // namespace armature::sdk
