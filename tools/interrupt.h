@@ -1,12 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <stop_token>
-#include <thread>
 
 namespace armature::tools {
 
-/// While it lives, the first SIGINT (Ctrl-C) or SIGTERM stops token() instead of the program, so that a long job can
-/// leave its files whole; a second one kills as usual. One at a time in a process.
+/// While one lives, the first SIGINT (Ctrl-C) or SIGTERM stops token() instead of the program, so that a long job can
+/// leave its files whole; a second one kills as usual. Those that live at the same time stop together, also one that is
+/// made after the signal. Thread-safe: yes.
 class Interrupt {
  public:
   Interrupt();
@@ -18,8 +19,9 @@ class Interrupt {
   [[nodiscard]] bool requested() const noexcept { return source_.stop_requested(); }
 
  private:
+  class Watch;
+  std::shared_ptr<Watch> watch_;  // of all that live
   std::stop_source source_;
-  std::thread waiter_;
 };
 
 }  // namespace armature::tools

@@ -110,8 +110,10 @@ ControlServer::ControlServer(ControlServer&&) noexcept = default;
 ControlServer& ControlServer::operator=(ControlServer&&) noexcept = default;
 
 int ControlServer::serve(const Handler& handler, std::chrono::milliseconds timeout) {
-  std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
-  if (!poll(items, timeout)) return 0;
+  if (timeout.count() > 0) {
+    std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
+    if (!poll(items, timeout)) return 0;
+  }
   int answered = 0;
   bool is_request = false;
   for (int taken = 0; taken < kMostAtATime && impl_->receive_request(is_request); ++taken) {

@@ -85,11 +85,9 @@ Expected<KeyPair> make_key_pair() {
   return KeyPair{open.data(), secret.data()};
 }
 
-Expected<KeyPair> read_key_pair(const std::filesystem::path& file) {
-  const auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
+Expected<KeyPair> parse_key_pair(std::string_view text, std::string_view name) {
   KeyPair keys;
-  const auto read = each_line(*text, file.string(), [&](std::string_view line) -> const char* {
+  const auto read = each_line(text, name, [&](std::string_view line) -> const char* {
     const auto what = take_word(line);
     if (what.empty() && line.empty()) return nullptr;
     if ((what != "public" && what != "secret") || !is_key(line)) return "expected 'public KEY' or 'secret KEY'";
@@ -100,9 +98,15 @@ Expected<KeyPair> read_key_pair(const std::filesystem::path& file) {
   std::array<char, kKeyLength + 1> derived{};
   if (!is_key(keys.secret_key) || zmq_curve_public(derived.data(), keys.secret_key.c_str()) != 0 ||
       keys.public_key != derived.data()) {
-    return fail(file.string() + ": expected a public and a secret key that belong together");
+    return fail(std::string(name) + ": expected a public and a secret key that belong together");
   }
   return keys;
+}
+
+Expected<KeyPair> read_key_pair(const std::filesystem::path& file) {
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  return parse_key_pair(*text, file.string());
 }
 
 Expected<void> write_key_pair(const std::filesystem::path& file, const KeyPair& keys) {

@@ -89,26 +89,26 @@ struct Publisher::Impl {
     if (options.session_id == 0) options.session_id = random_session_id();
   }
 
+  /// Answers those who have just subscribed to what goes through `outlet`.
+  void serve(Outlet& outlet) noexcept {
+    outlet.collect();
+    const auto answer = [&](Topic topic, Bytes& part) {
+      if (outlet.newly_subscribed(topic) && outlet.replay(part, options.now())) ++counters.replayed;
+    };
+    if (&outlet == &navigation) answer(Topic::Navigation, last_navigation);
+    if (&outlet == &skeleton) answer(Topic::Skeleton, last_skeleton);
+    if (&outlet != &events) return;
+    answer(Topic::Health, last_health);
+    const std::uint64_t newest = sequence[static_cast<std::size_t>(Topic::Event)];
+    for (std::uint64_t i = 1; i <= kEventsKept; ++i) answer(Topic::Event, last_events[(newest + i) % kEventsKept]);
+  }
   void serve() noexcept {
-    const auto now = options.now();
-    const auto count = [&](bool sent) { counters.replayed += sent ? 1 : 0; };
-    navigation.collect();
-    skeleton.collect();
-    events.collect();
-    if (navigation.newly_subscribed(Topic::Navigation)) count(navigation.replay(last_navigation, now));
-    if (skeleton.newly_subscribed(Topic::Skeleton)) count(skeleton.replay(last_skeleton, now));
-    if (events.newly_subscribed(Topic::Health)) count(events.replay(last_health, now));
-    if (events.newly_subscribed(Topic::Event)) {
-      const std::uint64_t newest = sequence[static_cast<std::size_t>(Topic::Event)];
-      for (std::uint64_t i = 1; i <= kEventsKept; ++i) {
-        count(events.replay(last_events[(newest + i) % kEventsKept], now));
-      }
-    }
+    for (Outlet* outlet : {&navigation, &skeleton, &events}) serve(*outlet);
   }
 
   template <class Message>
   bool publish(Message& message, Topic topic, Outlet& outlet, Bytes& kept) noexcept {
-    serve();
+    serve(outlet);
     const auto now = options.now();
     std::uint64_t& last = sequence[static_cast<std::size_t>(topic)];
     message.header = {options.session_id, last + 1, now, false};

@@ -33,6 +33,19 @@ TEST(Interrupt, IsReadyAgainForTheNextJob) {
   }
 }
 
+TEST(Interrupt, TwoAtATimeStopTogetherAndTheInnerOneLeavesTheOuterInForce) {
+  const Interrupt outer;
+  {
+    const Interrupt inner;
+    EXPECT_FALSE(inner.requested());
+  }
+  const Interrupt other;
+  std::raise(SIGINT);
+  wait_for_stop(outer.token());
+  wait_for_stop(other.token());
+  EXPECT_TRUE(Interrupt().requested()) << "made after the signal";
+}
+
 TEST(InterruptDeathTest, ASecondSignalKills) {
   EXPECT_EXIT(
       {

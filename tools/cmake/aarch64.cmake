@@ -1,5 +1,5 @@
 # Debian's cross toolchain for aarch64, with the libraries that `tools/setup --embedded` unpacks into the build folder.
-# What it builds runs here under qemu-user.
+# tests/same_bytes, built with it, runs under qemu-user and prints what it prints on x86-64 (tools/check --full).
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
@@ -17,4 +17,8 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(ENV{PKG_CONFIG_SYSROOT_DIR} "${CMAKE_SYSROOT}")
 set(ENV{PKG_CONFIG_LIBDIR}
   "${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig")
+# The same bytes as on x86-64: Eigen would take fused multiply-adds, which round otherwise than a product and a sum, and
+# packets of two floats, which sum in another order.
+set(CMAKE_CXX_FLAGS_INIT
+  "-U__ARM_FEATURE_FMA -isystem ${CMAKE_SYSROOT}/usr/include/eigen3 -include ${CMAKE_CURRENT_LIST_DIR}/eigen_as_on_x86.h")
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L "${CMAKE_SYSROOT}")

@@ -49,7 +49,8 @@ Actor::Actor(const Person& person, const ActorScript& script, const RigidTransfo
     : person_(person), script_(&script), where_(where) {
   Random random(seed);
   const BodyShape& shape = person_.shape;
-  resting_ = standing_pose(shape, random.uniform(0.85, 1.5), random.uniform(0.006, 0.010));
+  const double soft_knees = random.uniform(0.006, 0.010);
+  resting_ = standing_pose(shape, random.uniform(0.85, 1.5), soft_knees);
   for (const Side side : {Side::Left, Side::Right}) {
     ArmPose& arm = resting_.arm(side);
     arm.wrist = {random.uniform(0.06, 0.16), -random.uniform(0.94, 0.98), random.uniform(0.0, 0.10)};

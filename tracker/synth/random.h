@@ -19,7 +19,8 @@ namespace armature {
 /// TrainingSampler clears the bit, so that whatever it is asked for it draws nobody of them.
 inline constexpr std::uint64_t kHeldOut = std::uint64_t{1} << 63U;
 
-/// Random numbers that are the same on every machine: SplitMix64, no library distribution, no libm.
+/// Random numbers that are the same on every machine: SplitMix64, no library distribution, no libm. Draw one a statement:
+/// in which order a call evaluates its arguments is the compiler's to choose, and differs between processors.
 class Random {
  public:
   explicit Random(std::uint64_t seed) noexcept : state_(scrambled(seed)) {}

@@ -223,7 +223,7 @@ void random_arms(const Person& person, Random& random, Pose& pose) {
     if (side == Side::Left) shared = arm;
     if (side == Side::Right && together) {
       arm = shared;
-      arm.wrist += 0.04 * Vector3d(random.normal(), random.normal(), random.normal());
+      for (const int axis : {2, 1, 0}) arm.wrist[axis] += 0.04 * random.normal();
     }
     pose.arm(side) = arm;
     pose.shrug[static_cast<std::size_t>(side)] = 0.008 * random.normal();
@@ -251,16 +251,21 @@ RandomPose random_pose(const Person& person, Activity activity, Random& random) 
   switch (activity) {
     case Activity::Stand: break;
     case Activity::Steer: steer(shape, random, pose); break;
-    case Activity::Walk:
-      walk(random.unit(), random.chance(0.3) ? 0.0 : random.uniform(0.2, 0.75), random.uniform(0.05, 0.35),
-           random.uniform(0, 0.4), pose);
+    case Activity::Walk: {
+      const double arm_swing = random.uniform(0, 0.4), lift = random.uniform(0.05, 0.35);
+      const double stride = random.chance(0.3) ? 0.0 : random.uniform(0.2, 0.75);
+      walk(random.unit(), stride, lift, arm_swing, pose);
       arms_done = random.chance(0.5);
       break;
-    case Activity::Jog:
-      walk(random.unit(), random.uniform(0, 0.6), random.uniform(0.15, 0.5), random.uniform(0.2, 0.5), pose);
+    }
+    case Activity::Jog: {
+      const double arm_swing = random.uniform(0.2, 0.5), lift = random.uniform(0.15, 0.5);
+      const double stride = random.uniform(0, 0.6);
+      walk(random.unit(), stride, lift, arm_swing, pose);
       bend_elbows(pose);
       arms_done = random.chance(0.8);
       break;
+    }
     case Activity::Lunge: lunge(shape, random, pose); break;
     case Activity::Squat: squat(shape, random, pose); break;
     case Activity::Sit: out.seat_height = sit(shape, random, pose); break;

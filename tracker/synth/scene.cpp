@@ -80,7 +80,11 @@ Room random_room(Random& random, double clear_half_width, double clear_distance)
         break;
       }
       case 1: boxes = table(placed, random.uniform(0.45, 0.8), half_width, half_depth); break;
-      default: boxes = chair(placed, random.uniform(0.4, 0.5), 0.22, random.uniform(0.3, 0.55)); break;
+      default: {
+        const double back = random.uniform(0.3, 0.55);
+        boxes = chair(placed, random.uniform(0.4, 0.5), 0.22, back);
+        break;
+      }
     }
     room.furniture.insert(room.furniture.end(), boxes.begin(), boxes.end());
   }

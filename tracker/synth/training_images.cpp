@@ -20,7 +20,8 @@ RigidTransform random_camera(double stature, double distance, double x, Random& 
   const double height = random.uniform(0.6, 2.0);
   const double look_at = random.uniform(0.42, 0.62) * stature;
   const double tilt = on_grid(std::atan2(height - look_at, std::hypot(distance, x)));
-  return camera_from_world(height, tilt + 0.02 * random.normal(), 0.02 * random.normal());
+  const double roll = 0.02 * random.normal();
+  return camera_from_world(height, tilt + 0.02 * random.normal(), roll);
 }
 
 /// Where somebody else stands, seen from the person: beside her, half before her or behind her, facing anywhere near
@@ -28,11 +29,13 @@ RigidTransform random_camera(double stature, double distance, double x, Random& 
 RigidTransform company_place(Random& random) {
   const double side = random.sign();
   const double heading = random.uniform(-0.9, 0.9);
+  double distance = 0, x = 0;
   switch (random.below(3)) {
-    case 0: return world_from_body(side * random.uniform(0.45, 0.8), random.uniform(-0.2, 0.2), heading);
-    case 1: return world_from_body(side * random.uniform(0.25, 0.6), -random.uniform(0.5, 0.9), heading);
-    default: return world_from_body(side * random.uniform(0, 0.7), random.uniform(0.5, 1.0), heading);
+    case 0: distance = random.uniform(-0.2, 0.2), x = random.uniform(0.45, 0.8); break;
+    case 1: distance = -random.uniform(0.5, 0.9), x = random.uniform(0.25, 0.6); break;
+    default: distance = random.uniform(0.5, 1.0), x = random.uniform(0, 0.7); break;
   }
+  return world_from_body(side * x, distance, heading);
 }
 
 }  // namespace
@@ -119,17 +122,20 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledIma
     for (SurfaceEdge& edge : edges_) edge = moved(edge, camera_from_body.rotation, camera_from_body.translation);
     render_edges(edges_, random.chance(0.6) ? 1 : 0, image_);
   } else if (posed.seat_height > 0 && random.chance(0.85)) {
+    const double back = random.uniform(0, 0.5);
     const auto boxes = chair(placed * RigidTransform{Eigen::Matrix3d::Identity(), Vector3d(0, 0, 0.06)},
-                             posed.seat_height, random.uniform(0.2, 0.27), random.uniform(0, 0.5));
+                             posed.seat_height, random.uniform(0.2, 0.27), back);
     room.furniture.insert(room.furniture.end(), boxes.begin(), boxes.end());
   }
   if (random.chance(options_.occluded)) {
-    const RigidTransform before =
-        placed * RigidTransform{turned_left(random.uniform(-0.5, 0.5)),
-                                Vector3d(random.uniform(-0.5, 0.5), 0, random.uniform(0.5, 0.9))};
-    const auto boxes = random.chance(0.5)
-                           ? table(before, random.uniform(0.5, 0.8), random.uniform(0.3, 0.6), random.uniform(0.2, 0.3))
-                           : chair(before, 0.45, 0.22, random.uniform(0.3, 0.5));
+    const Eigen::Matrix3d turned = turned_left(random.uniform(-0.5, 0.5));
+    const double ahead = random.uniform(0.5, 0.9), aside = random.uniform(-0.5, 0.5);
+    const RigidTransform before = placed * RigidTransform{turned, Vector3d(aside, 0, ahead)};
+    const auto some_table = [&] {
+      const double half_depth = random.uniform(0.2, 0.3), half_width = random.uniform(0.3, 0.6);
+      return table(before, random.uniform(0.5, 0.8), half_width, half_depth);
+    };
+    const auto boxes = random.chance(0.5) ? some_table() : chair(before, 0.45, 0.22, random.uniform(0.3, 0.5));
     room.furniture.insert(room.furniture.end(), boxes.begin(), boxes.end());
   }
 

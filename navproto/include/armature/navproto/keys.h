@@ -43,7 +43,9 @@ struct CurveClient {
 /// A new identity. Fails where libzmq was built without CURVE.
 [[nodiscard]] Expected<KeyPair> make_key_pair();
 
-/// Reads what write_key_pair() wrote. Fails with FILE:LINE where it holds anything else.
+/// Two lines, `public KEY` and `secret KEY`. Fails with NAME:LINE where the text holds anything else.
+[[nodiscard]] Expected<KeyPair> parse_key_pair(std::string_view text, std::string_view name);
+/// Reads what write_key_pair() wrote, a file of at most 1 MiB.
 [[nodiscard]] Expected<KeyPair> read_key_pair(const std::filesystem::path& file);
 /// Two lines, `public KEY` and `secret KEY`, mode 0600. Refuses to replace a file.
 [[nodiscard]] Expected<void> write_key_pair(const std::filesystem::path& file, const KeyPair& keys);

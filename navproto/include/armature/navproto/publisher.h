@@ -35,8 +35,8 @@ struct PublisherCounters {
 };
 
 /// Publishes navigation, skeletons, events and health. Never waits for a subscriber: one that does not keep up misses
-/// messages, the others and the caller notice nothing. Every call also answers new subscribers with the last state of
-/// each topic; a publisher that has nothing to say calls serve() now and then (every 100 ms, say).
+/// messages, the others and the caller notice nothing. A publication also answers those who have just subscribed to its
+/// topic with the last state; for the others serve() is called now and then (every 100 ms, say).
 /// Thread-safe: no. Realtime-safe: the publish functions take no lock of ours and, after warm-up, allocate only what
 /// ZeroMQ does for its message.
 class Publisher {
