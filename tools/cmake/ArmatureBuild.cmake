@@ -58,7 +58,7 @@ endfunction()
 
 # The environment of tests under sanitizers: what other people's libraries do is not for us to mend.
 set(ARMATURE_SANITIZER_OPTIONS
-  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt"
+  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt:die_after_fork=0"
   "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.txt")
 
 # armature_test(NAME SOURCES a.cpp... LIBS lib...)
