@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -165,16 +167,21 @@ Turns turns_of_copies(const Mesh& mesh, std::span<const FaceId> match, const Com
   return whole.determinant() > 0 ? Turns{with, without} : Turns{without, with};
 }
 
-std::string percent(double likeness) {
-  return std::to_string(std::lround(100 * likeness)) + " %";
-}
-
-/// "1.5 times as large", or nothing.
-std::string size_in_words(double match_over_reference) {
-  if (std::abs(match_over_reference - 1) < 0.01) return ", of the same size";
+/// "a copy, mirrored, 1.5 times as large".
+std::string reason_of(bool copy, double likeness, bool mirrored, double match_over_reference) {
   std::array<char, 32> digits{};
+  std::string reason;
+  reason.reserve(80);
+  if (copy) {
+    reason += "a copy";
+  } else {
+    const auto end = std::to_chars(digits.begin(), digits.end(), std::lround(100 * likeness));
+    reason.append("area lies ").append(digits.begin(), end.ptr).append(" % alike about the centre");
+  }
+  if (mirrored) reason += ", mirrored";
+  if (std::abs(match_over_reference - 1) < 0.01) return reason += ", of the same size";
   const auto end = std::to_chars(digits.begin(), digits.end(), match_over_reference, std::chars_format::general, 3);
-  return ", " + std::string(digits.data(), end.ptr) + " times as large";
+  return reason.append(", ").append(digits.begin(), end.ptr).append(" times as large");
 }
 
 /// In blocks of memory, where a vector's own constructor goes face by face.
@@ -235,38 +242,44 @@ Expected<Expansion> ComponentIndex::expand(const ComponentIndex& of, FaceId face
   if (!chosen) return tl::unexpected(chosen.error());
   const ComponentShape& reference = of.shapes_[*chosen];
   const auto reference_faces = of.faces(*chosen);
+  std::vector<std::optional<Candidate>> found(size());
+  constexpr std::size_t kGrain = 32;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size(), kGrain), [&](const auto& range) {
+    for (std::size_t c = range.begin(); c < range.end(); ++c) {
+      if ((&of == this && c == *chosen) || !(shapes_[c].area > 0) || !(reference.area > 0)) continue;
+      const ComponentShape& shape = shapes_[c];
+      const auto its_faces = faces(c);
+      const double scale = std::sqrt(reference.spread.sum() / shape.spread.sum());
+      std::optional<Turns> turns;
+      bool mirrored = false;
+      if (its_faces.size() == reference_faces.size()) {
+        const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, *of.mesh_, reference_faces, reference, scale);
+        mirrored = of_copies.prefer_mirrored(1e-6);
+        if ((mirrored ? of_copies.mirrored : of_copies.proper).misfit < kCopy) turns = of_copies;
+      }
+      const bool copy = turns.has_value();
+      if (!copy) {
+        turns = turns_of_axes(shape, reference);
+        mirrored = turns->prefer_mirrored(0.01);
+      }
+      const double score = 1 - chi_square(shape.context, reference.context);
+      Match match{.faces = copy_of(its_faces), .score = score, .mirrored = mirrored};
+      const Matrix3d A = scale * (mirrored ? turns->mirrored : turns->proper).reference_from_match;
+      match.reference_from_match.topLeftCorner<3, 3>() = A;
+      match.reference_from_match.topRightCorner<3, 1>() = reference.centroid - A * shape.centroid;
+      match.reason = reason_of(copy, score, mirrored, 1 / scale);
+      found[c] = {std::move(match), shape.context};
+    }
+  });
   std::vector<Candidate> candidates;
   std::vector<Rejected> rejected;
   candidates.reserve(size());
   for (std::size_t c = 0; c < size(); ++c) {
-    if (&of == this && c == *chosen) continue;
-    const ComponentShape& shape = shapes_[c];
-    const auto its_faces = faces(c);
-    if (!(shape.area > 0) || !(reference.area > 0)) {
-      rejected.push_back({its_faces[its_faces.size() / 2], "it or the reference has no area"});
-      continue;
+    if (found[c]) {
+      candidates.push_back(std::move(*found[c]));
+    } else if (&of != this || c != *chosen) {
+      rejected.push_back({faces(c)[faces(c).size() / 2], "it or the reference has no area"});
     }
-    const double scale = std::sqrt(reference.spread.sum() / shape.spread.sum());
-    std::optional<Turns> turns;
-    bool mirrored = false;
-    if (its_faces.size() == reference_faces.size()) {
-      const Turns of_copies = turns_of_copies(*mesh_, its_faces, shape, *of.mesh_, reference_faces, reference, scale);
-      mirrored = of_copies.prefer_mirrored(1e-6);
-      if ((mirrored ? of_copies.mirrored : of_copies.proper).misfit < kCopy) turns = of_copies;
-    }
-    const bool copy = turns.has_value();
-    if (!copy) {
-      turns = turns_of_axes(shape, reference);
-      mirrored = turns->prefer_mirrored(0.01);
-    }
-    const double score = 1 - chi_square(shape.context, reference.context);
-    Match match{.faces = copy_of(its_faces), .score = score, .mirrored = mirrored};
-    const Matrix3d A = scale * (mirrored ? turns->mirrored : turns->proper).reference_from_match;
-    match.reference_from_match.topLeftCorner<3, 3>() = A;
-    match.reference_from_match.topRightCorner<3, 1>() = reference.centroid - A * shape.centroid;
-    match.reason = (copy ? "a copy" : "area lies " + percent(score) + " alike about the centre") +
-                   (mirrored ? ", mirrored" : "") + size_in_words(1 / scale);
-    candidates.push_back({std::move(match), shape.context});
   }
   return Expansion(copy_of(reference_faces), std::move(candidates), std::move(rejected));
 }

@@ -14,7 +14,9 @@
 #include <tbb/parallel_for.h>
 
 #include "sdk/expansion/part_registration.h"
+#include "sdk/expansion/region_shares.h"
 #include "sdk/expansion/ring_cut.h"
+#include "sdk/selection/flood.h"
 #include "sdk/selection/level_tree.h"
 
 namespace armature::sdk {
@@ -240,8 +242,7 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
         std::move(reference), {},
         {{FaceId(0), "nothing is compared: no other protrusion is between " + in_percent(1 / options.largest_scale) +
                          " and " + in_percent(options.largest_scale) + " as wide as the part"}});
-  std::vector<bool> in_reference(of.surface().mesh.triangles.size(), false);
-  for (const FaceId face : part) in_reference[face.index()] = true;
+  const RegionShares shares(of.surface(), part);
   RingCut around_reference(of);
   const LevelNode& reference_root = of.level_tree().nodes()[*reference_node];
   const PartRegistration onto_reference(
@@ -277,14 +278,15 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
       if (carry.residual > kClearly * whole.residual) carry = whole;
     }
     if (carry.residual < kCopyAboutCut * reference_root.girth) {
-      std::vector<bool> inside;
-      FaceId hint;
-      for (const VertexId v : ring.near) {
-        const Eigen::Vector4d p = carry.reference_from_part * mesh.position(v).homogeneous();
-        hint = of.surface().tree.closest(p.head<3>(), {.hint = hint}).face;
-        inside.push_back(in_reference[hint.index()]);
+      const std::vector<FaceId> band = cutter.band(ring);
+      std::vector<bool> is_in;
+      SurfacePoint on;
+      for (const FaceId face : band) {
+        const Eigen::Vector4d p = carry.reference_from_part * middle(mesh, face).homogeneous();
+        on = of.surface().tree.closest(p.head<3>(), {.hint = on.face});
+        is_in.push_back(shares.at(on) > 0.5);
       }
-      std::vector<FaceId> carried = cutter.within(node, ring, inside);
+      std::vector<FaceId> carried = cutter.within(node, ring, band, is_in);
       if (!carried.empty()) result.faces = std::move(carried);
     }
     result.histogram = descriptor.describe(model, nodes[i], result.faces);
@@ -294,7 +296,8 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
   std::vector<Candidate> candidates;
   std::vector<Rejected> rejected;
   std::vector<bool> taken(mesh.triangles.size(), false);
-  if (&of == &model) taken = in_reference;
+  if (&of == &model)
+    for (const FaceId face : part) taken[face.index()] = true;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Solved& result = solved[i];
     const LevelNode& node = tree.nodes()[nodes[i]];

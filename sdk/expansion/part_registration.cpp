@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -198,27 +200,46 @@ Registration PartRegistration::lay(const PartFrame& part, double scale, std::spa
     Matrix4d reference_from_part = Matrix4d::Identity();
     double error = std::numeric_limits<double>::infinity();
   };
-  std::array<Start, 2> starts;
+  // By handedness, the turns that are better than those beside them, best first.
+  constexpr std::size_t kTurns = 12;
+  std::array<std::vector<Start>, 2> starts;
   for (const bool mirrored : {false, true}) {
     Matrix4d flip = Matrix4d::Identity();
     if (mirrored) flip(0, 0) = -1;
-    constexpr int kTurns = 12;
-    for (int turn = 0; turn < kTurns; ++turn) {
+    std::array<Start, kTurns> all;
+    for (std::size_t turn = 0; turn < kTurns; ++turn) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(turn) / kTurns;
       Matrix4d turned = Matrix4d::Identity();
-      turned.topLeftCorner<3, 3>() =
-          scale * Eigen::AngleAxisd(2 * std::numbers::pi * turn / kTurns, Vector3d::UnitZ()).toRotationMatrix();
+      turned.topLeftCorner<3, 3>() = scale * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
       const Matrix4d candidate = frame_.world_from_part * turned * flip * part_from_world;
-      const double error = mean_square(goal_, candidate, few);
-      if (error < starts[mirrored ? 1 : 0].error) starts[mirrored ? 1 : 0] = {candidate, error};
+      all[turn] = {candidate, mean_square(goal_, candidate, few)};
     }
+    auto& best = starts[mirrored ? 1 : 0];
+    for (std::size_t turn = 0; turn < kTurns; ++turn)
+      if (all[turn].error <= all[(turn + 1) % kTurns].error &&
+          all[turn].error <= all[(turn + kTurns - 1) % kTurns].error)
+        best.push_back(all[turn]);
+    std::ranges::stable_sort(best, {}, &Start::error);
   }
+  // What is much worse from the start will not come out best.
+  constexpr double kHopeless = 2;
+  constexpr std::size_t kTried = 2;
+  constexpr double kWell = 0.005;  // of the root of the area: what fits so well lies right
+  constexpr double kBetter = 0.8;  // round things fit as well at any turn: the first stays
+  const double hopeless = kHopeless * std::min(starts[0].front().error, starts[1].front().error);
   const auto finished = [&](bool mirrored) {
-    return refine({starts[mirrored ? 1 : 0].reference_from_part, mirrored}, points);
+    std::optional<Registration> best;
+    for (const Start& start :
+         std::span(starts[mirrored ? 1 : 0]).first(std::min(kTried, starts[mirrored ? 1 : 0].size()))) {
+      if (best && (start.error > hopeless || best->residual < kWell * frame_.size)) break;
+      const Registration laid = refine({start.reference_from_part, mirrored}, points);
+      if (!best || laid.residual < kBetter * best->residual) best = laid;
+    }
+    return *best;
   };
   const Registration plain = finished(false);
   // Most parts are like their mirror image: only one that fits clearly better counts.
-  constexpr double kHopeless = 2;
-  if (starts[1].error > kHopeless * starts[0].error) return plain;
+  if (starts[1].front().error > kHopeless * starts[0].front().error) return plain;
   const Registration mirrored = finished(true);
   constexpr double kClearlyBetter = 0.5;
   return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;

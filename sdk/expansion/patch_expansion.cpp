@@ -164,19 +164,23 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
 
   // What the reference is.
   start = Clock::now();
-  const PatchReference model(of_patch, patch, *ball);
+  const FaceGraph graph_of_patch(of_patch);
+  const PatchReference model(graph_of_patch, patch, *ball);
   took.learn_ms = milliseconds_since(start);
 
   // How it lies there, and how far it reaches.
   start = Clock::now();
+  std::optional<FaceGraph> graph_elsewhere;
+  if (!same_surface) graph_elsewhere.emplace(surface);
+  const FaceGraph& graph = same_surface ? graph_of_patch : *graph_elsewhere;
   const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
   task.report("laying the patch onto its likes", 0);
   tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
     if (task.stopped()) return;
     const Place& place = places[order[rank]];
-    const Registration laid = model.lay_onto(surface, place.centre, place.scale, options.mirrored);
+    const Registration laid = model.lay_onto(graph, place.centre, place.scale, options.mirrored);
     Match& match = candidates[order[rank]].match;
-    match.faces = model.extent(surface, laid);
+    match.faces = model.extent(graph, laid);
     match.score = 0.5 * (double{place.similarity} + laid.fit);
     match.reference_from_match = laid.target_from_reference.inverse();
     match.mirrored = laid.mirrored;

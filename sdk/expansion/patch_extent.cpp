@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 #include <armature/sdk/mesh/measures.h>
+#include <tbb/parallel_for.h>
 
 #include "sdk/expansion/patch_registration.h"
-#include "sdk/selection/flood.h"
 
 namespace armature::sdk {
 namespace {
@@ -35,7 +35,25 @@ Mesh border_of(const Surface& surface, std::span<const FaceId> patch) {
   return border;
 }
 
-std::vector<FaceId> PatchReference::extent(const Surface& target, const Registration& registration) const {
+void PatchReference::measure_border(const FaceGraph& graph) {
+  const Mesh& mesh = surface_->mesh;
+  const double reach = (1 + 2 * kReach) * ball_.radius;  // as far as a face may lie from a point that is asked about
+  const auto near = graph.flood(surface_->adjacency.faces(ball_.centre),
+                                [&](FaceId face) { return graph.touches(face, around_.centre, reach); });
+  std::vector<VertexId> corners;
+  for (const FaceId face : near)
+    for (const VertexId v : mesh.triangle(face))
+      if (to_border_[v.index()] < 0) {
+        to_border_[v.index()] = 0;
+        corners.push_back(v);
+      }
+  tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t i) {
+    to_border_[corners[i].index()] = static_cast<float>(border_.closest(mesh.position(corners[i])).distance);
+  });
+}
+
+std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registration& registration) const {
+  const Surface& target = graph.surface();
   const Mesh& mesh = target.mesh;
   const Matrix4d reference_from_target = registration.target_from_reference.inverse();
   const SurfacePoint start = target.tree.closest(apply(registration.target_from_reference, around_.centre));
@@ -45,51 +63,50 @@ std::vector<FaceId> PatchReference::extent(const Surface& target, const Registra
   struct Answer {
     Vector3d at;
     double valid_within;
-    bool inside;
+    bool near, inside;  // the surface of the reference; the patch
     FaceId nearest = {};
-    FaceId nearest_border = {};
   };
   const auto ask = [&](FaceId face, const Vector3d& at, const Answer& beside) {
     const SurfacePoint on = surface_->tree.closest(at, {.within = kReach * ball_.radius, .hint = beside.nearest});
-    const SurfacePoint border = border_.closest(at, {.hint = beside.nearest_border});
-    double share = 0;
-    for (std::size_t k = 0; k < 3 && on.face.valid(); ++k)
-      share += on.barycentric[static_cast<Eigen::Index>(k)] * share_[surface_->mesh.triangle(on.face)[k].index()];
+    if (!on.face.valid()) return Answer{at, kSure * border_.closest(at).distance, false, false, beside.nearest};
+    double to_border = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t corner = surface_->mesh.triangle(on.face)[k].index();
+      to_border += on.barycentric[static_cast<Eigen::Index>(k)] * static_cast<double>(to_border_[corner]);
+    }
     const Vector3d facing = reference_from_target.topLeftCorner<3, 3>() * area_vector(mesh, face);
-    const bool inside = share > 0.5 && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
-    return Answer{at, kSure * border.distance, inside, on.face.valid() ? on.face : beside.nearest, border.face};
+    const bool inside = shares_.at(on) > 0.5 && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
+    return Answer{at, kSure * std::max(0.0, to_border), true, inside, on.face};
   };
-  std::vector<Answer> answers = {{around_.centre, 0, false}};
+  std::vector<Answer> answers = {{around_.centre, 0, false, false}};
   std::vector<std::pair<FaceId, std::size_t>> reached;  // with their answers
   std::vector<bool> seen(mesh.triangles.size());
   std::vector<bool> is_inside(mesh.triangles.size());
   const auto go_to = [&](FaceId face, std::size_t answer) {
     if (seen[face.index()]) return;
     seen[face.index()] = true;
-    const Vector3d at = apply(reference_from_target, middle(mesh, face));
+    const Vector3d at = apply(reference_from_target, graph.middle(face));
     if (face != start.face && (at - around_.centre).squaredNorm() >= reach * reach) return;
     const Answer& beside = answers[answer];
     if ((at - beside.at).squaredNorm() >= beside.valid_within * beside.valid_within) {
       answers.push_back(ask(face, at, beside));
       answer = answers.size() - 1;
     }
+    if (!answers[answer].near) return;  // nor does what lies behind it
     reached.emplace_back(face, answer);
     is_inside[face.index()] = answers[answer].inside;
   };
   go_to(start.face, 0);
   for (std::size_t i = 0; i < reached.size(); ++i) {
     const auto [face, answer] = reached[i];
-    for (const EdgeId edge : target.adjacency.edges(face))
-      if (edge.valid())
-        for (const FaceId next : target.adjacency.faces(edge)) go_to(next, answer);
+    for (const FaceId next : graph.beside(face)) go_to(next, answer);
   }
 
   std::vector<FaceId> largest;
   double most = -1;
   for (const auto& [face, answer] : reached) {
     if (!is_inside[face.index()]) continue;
-    auto piece = flood(target.adjacency, std::span(&face, 1), mesh.triangles.size(),
-                       [&](FaceId f) { return bool{is_inside[f.index()]}; });
+    auto piece = graph.flood(std::span(&face, 1), [&](FaceId f) { return bool{is_inside[f.index()]}; });
     double area = 0;
     for (const FaceId f : piece) {
       is_inside[f.index()] = false;

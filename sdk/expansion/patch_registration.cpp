@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -10,7 +11,6 @@
 #include <armature/sdk/mesh/measures.h>
 
 #include "sdk/expansion/sample_grid.h"
-#include "sdk/selection/flood.h"
 
 namespace armature::sdk {
 namespace {
@@ -24,13 +24,14 @@ constexpr std::size_t kMostSamples = 1500;
 constexpr std::size_t kFew = 120;   // that decide between angles
 constexpr std::size_t kMany = 300;  // that decide where exactly
 constexpr std::size_t kAll = kMostSamples;
-constexpr std::size_t kStarts = 4;  // that are tried, of each handedness
+constexpr std::size_t kStarts = 8;  // that are tried, of each handedness
 constexpr double kAstray = 0.25;    // how far from its place a centre is looked for, of the radius
 constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
 constexpr double kNear = 0.4;              // what a sample may lie on, of the radius
 constexpr double kHopeless = 0.01;         // a misfit that no closer look will mend
+constexpr double kProgress = 0.98;         // half of the samples are hardly nearer than before: it has settled
 constexpr double kStill = 5e-4;            // a step that ends the search, of the radius
 constexpr double kScaleRange = 1.3;        // how far the scale may leave what was looked for
 constexpr double kWorthMirroring = 0.9;    // a mirror image must leave so much less than the thing itself
@@ -74,12 +75,13 @@ std::vector<Start> best_starts(const PolarRelief& reference, const std::vector<C
 /// Where the centre may lie: noise leads the maxima of contexts astray.
 std::vector<Centre> centres_about(const PatchSurroundings& there, double radius) {
   std::vector<Centre> centres = {{there.centre, there.relief}};
-  for (int k = 0; k < kAround; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kAround;
-    const Vector3d aside(std::cos(angle), std::sin(angle), 0);
-    const Vector3d point = there.centre + kAstray * radius * (there.relief.frame * aside);
-    centres.push_back({point, relief_of(there.samples, point, radius)});
-  }
+  for (const double astray : {kAstray, 2 * kAstray})
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kAround;
+      const Vector3d aside(std::cos(angle), std::sin(angle), 0);
+      const Vector3d point = there.centre + astray * radius * (there.relief.frame * aside);
+      centres.push_back({point, relief_of(there.samples, point, radius)});
+    }
   return centres;
 }
 
@@ -104,14 +106,11 @@ std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius
 
 }  // namespace
 
-PatchSurroundings::PatchSurroundings(const Surface& surface, VertexId at, double radius, double reach)
-    : centre(surface.mesh.position(at)) {
-  const Mesh& mesh = surface.mesh;
-  const auto within = [&](const Vector3d& point) { return (point - centre).squaredNorm() <= reach * reach; };
+PatchSurroundings::PatchSurroundings(const FaceGraph& graph, VertexId at, double radius, double reach)
+    : centre(graph.surface().mesh.position(at)) {
+  const Surface& surface = graph.surface();
   std::vector<FaceId> faces =
-      flood(surface.adjacency, surface.adjacency.faces(at), mesh.triangles.size(), [&](FaceId face) {
-        return std::ranges::any_of(mesh.triangle(face), [&](VertexId v) { return within(mesh.position(v)); });
-      });
+      graph.flood(surface.adjacency.faces(at), [&](FaceId face) { return graph.touches(face, centre, reach); });
   // Faces come ring by ring, so that every n-th of them, or of their samples, are spread evenly.
   const auto thin_out = [](auto& things) {
     const std::size_t every = things.size() / kMostSamples;
@@ -121,30 +120,29 @@ PatchSurroundings::PatchSurroundings(const Surface& surface, VertexId at, double
     things.erase(things.begin() + static_cast<std::ptrdiff_t>(kept), things.end());
   };
   thin_out(faces);
-  samples = samples_of(mesh, faces, std::numbers::pi * radius * radius / kSamples);
-  std::erase_if(samples, [&](const SurfaceSample& s) { return !within(s.point); });
+  samples = samples_of(surface.mesh, faces, std::numbers::pi * radius * radius / kSamples);
+  std::erase_if(samples, [&](const SurfaceSample& s) { return (s.point - centre).squaredNorm() > reach * reach; });
   thin_out(samples);
   relief = relief_of(samples, centre, radius);
 }
 
-PatchReference::PatchReference(const Surface& surface, std::span<const FaceId> patch, const PatchBall& ball)
-    : surface_(&surface),
+PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball)
+    : surface_(&graph.surface()),
       ball_(ball),
-      around_(surface, ball.centre, ball.radius, ball.radius),
-      share_(surface.mesh.positions.size()),
+      around_(graph, ball.centre, ball.radius, ball.radius),
+      shares_(*surface_, patch),
+      to_border_(surface_->mesh.positions.size(), -1),
       cells_(cells_of(around_, ball.radius)),
-      border_(border_of(surface, patch)) {
-  for (const FaceId face : patch)
-    for (const VertexId corner : surface.mesh.triangle(face))
-      if (const double cell = surface.vertex_areas[corner.index()]; cell > 0)
-        share_[corner.index()] += area_vector(surface.mesh, face).norm() / (3 * cell);
+      border_(border_of(*surface_, patch)) {
+  measure_border(graph);
 }
 
-Registration PatchReference::lay_onto(const Surface& target, VertexId at, double scale, bool mirrored_too) const {
+Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
+  const Surface& target = graph.surface();
   const double radius = scale * ball_.radius;
-  const PatchSurroundings there(target, at, radius, (1 + kAstray) * radius);
+  const PatchSurroundings there(graph, at, radius, (1 + 2 * kAstray) * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
-  const SampleGrid grid(there.samples, there.centre, (1 + kAstray) * radius);
+  const SampleGrid grid(there.samples, there.centre, (1 + 2 * kAstray) * radius);
   const auto roughly = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
     const SurfaceSample* near = grid.near(from);
     if (near == nullptr) return std::nullopt;
@@ -205,6 +203,7 @@ void PatchReference::improve(Registration& registration, double scale, std::size
   const double asked = static_cast<double>((around_.samples.size() + stride - 1) / stride);
   std::vector<Pair> pairs;
   std::vector<double> distances;
+  double before = std::numeric_limits<double>::infinity();
   const auto find_pairs = [&] {
     pairs.clear();
     const Matrix4d& T = registration.target_from_reference;
@@ -224,6 +223,8 @@ void PatchReference::improve(Registration& registration, double scale, std::size
     for (const Pair& pair : pairs) distances.push_back(pair.distance);
     const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::ranges::nth_element(distances, half);
+    if (registration.misfit > kLikely && *half > kProgress * before) break;
+    before = *half;
     const double usual = std::max(0.01 * radius, 1.5 * *half);
 
     // from + w x (from - o) + t + l (from - o) in the plane at `to`: n.(...) = 0, in units of the radius about o.

@@ -8,7 +8,9 @@
 #include <armature/sdk/expansion/patch_map.h>
 #include <armature/sdk/selection/surface.h>
 
+#include "sdk/expansion/face_graph.h"
 #include "sdk/expansion/polar_relief.h"
+#include "sdk/expansion/region_shares.h"
 #include "sdk/expansion/surface_samples.h"
 
 namespace armature::sdk {
@@ -25,7 +27,7 @@ struct PatchSurroundings {
   PolarRelief relief;
 
   /// Samples within `reach`, the relief within `radius`.
-  PatchSurroundings(const Surface& surface, VertexId at, double radius, double reach);
+  PatchSurroundings(const FaceGraph& graph, VertexId at, double radius, double reach);
 };
 
 /// Where a patch lies on a surface.
@@ -43,13 +45,13 @@ struct Registration {
 /// The reference of an expansion, ready to be laid onto other places.
 class PatchReference {
  public:
-  PatchReference(const Surface& surface, std::span<const FaceId> patch, const PatchBall& ball);
+  PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball);
 
-  /// Lays the reference onto a surface about a vertex at about a scale: angles at which the reliefs agree, then
-  /// iterated closest points to the tangent plane (Chen and Medioni 1991), from the most promising.
-  [[nodiscard]] Registration lay_onto(const Surface& target, VertexId at, double scale, bool mirrored_too) const;
-  /// The faces of the target that come to lie on the patch; those that hang together in the largest piece.
-  [[nodiscard]] std::vector<FaceId> extent(const Surface& target, const Registration& registration) const;
+  /// Lays the reference onto the surface of a graph about a vertex at about a scale: angles at which the reliefs agree,
+  /// then iterated closest points to the tangent plane (Chen and Medioni 1991), from the most promising.
+  [[nodiscard]] Registration lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
+  /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
+  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const Registration& registration) const;
 
   [[nodiscard]] const PatchBall& ball() const noexcept { return ball_; }
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
@@ -60,10 +62,13 @@ class PatchReference {
   template <class Find>
   void improve(Registration& registration, double scale, std::size_t samples, int rounds, const Find& find) const;
 
+  void measure_border(const FaceGraph& graph);
+
   const Surface* surface_;
   PatchBall ball_;
   PatchSurroundings around_;
-  std::vector<double> share_;       // of the area of its faces that belongs to the patch, by vertex
+  RegionShares shares_;             // of the patch
+  std::vector<float> to_border_;    // by vertex; negative far from the patch
   std::vector<std::size_t> cells_;  // that noise is averaged over, by sample
   MeshTree border_;                 // of the patch
 };

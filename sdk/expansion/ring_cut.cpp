@@ -35,6 +35,11 @@ void RingCut::fill_region(const LevelNode& node) {
     }
 }
 
+void RingCut::forget(const Ring& ring) {
+  for (const VertexId v : region_) value_[v.index()] = 0;
+  for (const VertexId v : ring.near) value_[v.index()] = 0;
+}
+
 Ring RingCut::ring_around(const LevelNode& node, double reach) {
   const Surface& surface = model_->surface();
   const Eigen::VectorXd& phi = model_->conformal_factor();
@@ -71,7 +76,7 @@ Ring RingCut::ring_around(const LevelNode& node, double reach) {
     for (const VertexId next : surface.adjacency.neighbours(v))
       if (inside(next) == inside(v)) offer(next, d + (surface.mesh.position(v) - surface.mesh.position(next)).norm());
   }
-  for (const VertexId v : region_) value_[v.index()] = 0;
+  forget(ring);
   return ring;
 }
 
@@ -104,17 +109,13 @@ Eigen::VectorXd RingCut::field(const Ring& ring) const {
   return factor.solve(b).cwiseMax(0).cwiseMin(1);
 }
 
-std::vector<FaceId> RingCut::above(const LevelNode& node, const Ring& ring, const Eigen::VectorXd& near,
-                                   double isovalue) {
-  const Surface& surface = model_->surface();
-  fill_region(node);
-  for (std::size_t i = 0; i < ring.near.size(); ++i) value_[ring.near[i].index()] = near[static_cast<Index>(i)];
-  std::vector<VertexId> seeds = ring.inside;
-  if (seeds.empty()) seeds = {node.tip};
-  std::vector<FaceId> faces = region_above(surface, value_, isovalue, seeds);
-  for (const VertexId v : region_) value_[v.index()] = 0;
-  for (const VertexId v : ring.near) value_[v.index()] = 0;
-  return faces;
+std::vector<FaceId> RingCut::band(const Ring& ring) const {
+  std::vector<FaceId> band;
+  for (const VertexId v : ring.near)
+    for (const FaceId face : model_->surface().adjacency.faces(v)) band.push_back(face);
+  std::sort(band.begin(), band.end());
+  band.erase(std::unique(band.begin(), band.end()), band.end());
+  return band;
 }
 
 std::vector<FaceId> RingCut::cut(const LevelNode& node, const Ring& ring) {
@@ -123,24 +124,27 @@ std::vector<FaceId> RingCut::cut(const LevelNode& node, const Ring& ring) {
   const Eigen::VectorXd near = field(ring);
   fill_region(node);
   for (std::size_t i = 0; i < ring.near.size(); ++i) value_[ring.near[i].index()] = near[static_cast<Index>(i)];
-  std::vector<FaceId> band;
-  for (const VertexId v : ring.near)
-    for (const FaceId face : surface.adjacency.faces(v)) band.push_back(face);
-  std::sort(band.begin(), band.end());
-  band.erase(std::unique(band.begin(), band.end()), band.end());
   constexpr double kLeast = 0.05;
-  const double isovalue =
-      best_isovalue(surface, value_,
-                    {.faces = band, .lower = kLeast, .upper = 1 - kLeast, .scale = 2 * model_->offset(node.through)});
-  for (const VertexId v : region_) value_[v.index()] = 0;
-  for (const VertexId v : ring.near) value_[v.index()] = 0;
-  return above(node, ring, near, isovalue);
+  const double isovalue = best_isovalue(
+      surface, value_,
+      {.faces = band(ring), .lower = kLeast, .upper = 1 - kLeast, .scale = 2 * model_->offset(node.through)});
+  std::vector<FaceId> faces = region_above(surface, value_, isovalue, ring.inside);
+  forget(ring);
+  return faces;
 }
 
-std::vector<FaceId> RingCut::within(const LevelNode& node, const Ring& ring, const std::vector<bool>& near) {
-  Eigen::VectorXd values(static_cast<Index>(near.size()));
-  for (std::size_t i = 0; i < near.size(); ++i) values[static_cast<Index>(i)] = near[i] ? 1 : 0;
-  return above(node, ring, values, 0.5);
+std::vector<FaceId> RingCut::within(const LevelNode& node, const Ring& ring, std::span<const FaceId> band,
+                                    const std::vector<bool>& is_in) {
+  fill_region(node);
+  const std::vector<VertexId> tip = {node.tip};
+  std::vector<FaceId> faces =
+      region_about(model_->surface(), ring.inside.empty() ? tip : ring.inside, [&](FaceId face) {
+        const auto at = std::lower_bound(band.begin(), band.end(), face);
+        if (at != band.end() && *at == face) return bool{is_in[static_cast<std::size_t>(at - band.begin())]};
+        return value_[model_->surface().mesh.triangle(face)[0].index()] != 0;  // no isoline passes there
+      });
+  forget(ring);
+  return faces;
 }
 
 }  // namespace armature::sdk

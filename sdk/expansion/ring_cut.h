@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,13 +34,15 @@ class RingCut {
   [[nodiscard]] Eigen::VectorXd field(const Ring& ring) const;
   /// The faces within the best isoline between the rings, ascending; empty where there is none.
   [[nodiscard]] std::vector<FaceId> cut(const LevelNode& node, const Ring& ring);
-  /// The faces within a region, of which `near` says whether the ring's near vertices lie in it.
-  [[nodiscard]] std::vector<FaceId> within(const LevelNode& node, const Ring& ring, const std::vector<bool>& near);
+  /// The faces at the ring's near vertices, ascending.
+  [[nodiscard]] std::vector<FaceId> band(const Ring& ring) const;
+  /// The faces within a region, of which `is_in` says whether those of the band, in its order, lie in it.
+  [[nodiscard]] std::vector<FaceId> within(const LevelNode& node, const Ring& ring, std::span<const FaceId> band,
+                                           const std::vector<bool>& is_in);
 
  private:
   void fill_region(const LevelNode& node);
-  [[nodiscard]] std::vector<FaceId> above(const LevelNode& node, const Ring& ring, const Eigen::VectorXd& near,
-                                          double isovalue);
+  void forget(const Ring& ring);
 
   const PartModel* model_;
   std::vector<double> value_;     ///< by VertexId; 0 between calls

@@ -130,25 +130,28 @@ double best_isovalue(const Surface& surface, std::span<const double> field, cons
 
 std::vector<FaceId> region_above(const Surface& surface, std::span<const double> field, double isovalue,
                                  std::span<const VertexId> seeds) {
-  const Mesh& mesh = surface.mesh;
-  const auto above = [&](FaceId face) {
-    const auto& [a, b, c] = mesh.triangle(face);
+  return region_about(surface, seeds, [&](FaceId face) {
+    const auto& [a, b, c] = surface.mesh.triangle(face);
     return field[a.index()] + field[b.index()] + field[c.index()] > 3 * isovalue;
-  };
+  });
+}
+
+std::vector<FaceId> region_about(const Surface& surface, std::span<const VertexId> seeds,
+                                 const std::function<bool(FaceId)>& is_in) {
   // Every seed votes for the piece that it touches.
-  std::vector<std::uint32_t> piece_of(mesh.triangles.size(), 0);
+  std::vector<std::uint32_t> piece_of(surface.mesh.triangles.size(), 0);
   std::vector<std::vector<FaceId>> pieces;
   std::vector<std::size_t> votes;
   for (const VertexId seed : seeds) {
     for (const FaceId first : surface.adjacency.faces(seed)) {
-      if (!above(first)) continue;
+      if (!is_in(first)) continue;
       if (piece_of[first.index()] == 0) {
         std::vector<FaceId> piece = {first};
         piece_of[first.index()] = static_cast<std::uint32_t>(pieces.size() + 1);
         for (std::size_t at = 0; at < piece.size(); ++at)
           for (const EdgeId edge : surface.adjacency.edges(piece[at]))
             for (const FaceId face : surface.adjacency.faces(edge))
-              if (piece_of[face.index()] == 0 && above(face)) {
+              if (piece_of[face.index()] == 0 && is_in(face)) {
                 piece_of[face.index()] = static_cast<std::uint32_t>(pieces.size() + 1);
                 piece.push_back(face);
               }

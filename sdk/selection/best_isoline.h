@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,12 @@ struct CutSearch {
 /// and Tai 2010 have a score of their own.)
 [[nodiscard]] double best_isovalue(const Surface& surface, std::span<const double> field, const CutSearch& search);
 
-/// The faces among `faces` whose mean value is above the isovalue and that hang together with most of `seeds`,
-/// ascending; by common edges.
+/// The faces whose mean value is above the isovalue and that hang together with most of `seeds`, ascending; by common
+/// edges.
 [[nodiscard]] std::vector<FaceId> region_above(const Surface& surface, std::span<const double> field, double isovalue,
                                                std::span<const VertexId> seeds);
+/// The same of the faces that are said to be in it.
+[[nodiscard]] std::vector<FaceId> region_about(const Surface& surface, std::span<const VertexId> seeds,
+                                               const std::function<bool(FaceId)>& is_in);
 
 }  // namespace armature::sdk

@@ -15,11 +15,11 @@ namespace armature::sdk {
   return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
 }
 
-/// What hangs together, by edges, with some faces and is wanted (`bool wanted(FaceId)`); the seeds that are wanted
-/// first. In the order in which it is reached.
-template <class Wanted>
-[[nodiscard]] std::vector<FaceId> flood(const Adjacency& adjacency, std::span<const FaceId> seeds, std::size_t faces,
-                                        const Wanted& wanted) {
+/// What hangs together with some faces and is wanted (`bool wanted(FaceId)`); the seeds that are wanted first. In the
+/// order in which it is reached. `beside(face, reach)` calls `reach` for all that lies beside a face.
+template <class Beside, class Wanted>
+[[nodiscard]] std::vector<FaceId> flood_over(const Beside& beside, std::span<const FaceId> seeds, std::size_t faces,
+                                             const Wanted& wanted) {
   std::vector<bool> seen(faces);
   std::vector<FaceId> reached;
   const auto reach = [&](FaceId face) {
@@ -28,11 +28,20 @@ template <class Wanted>
     if (wanted(face)) reached.push_back(face);
   };
   for (const FaceId face : seeds) reach(face);
-  for (std::size_t i = 0; i < reached.size(); ++i)
-    for (const EdgeId edge : adjacency.edges(reached[i]))
+  for (std::size_t i = 0; i < reached.size(); ++i) beside(FaceId(reached[i]), reach);
+  return reached;
+}
+
+/// The same by the edges of a mesh.
+template <class Wanted>
+[[nodiscard]] std::vector<FaceId> flood(const Adjacency& adjacency, std::span<const FaceId> seeds, std::size_t faces,
+                                        const Wanted& wanted) {
+  const auto beside = [&](FaceId face, const auto& reach) {
+    for (const EdgeId edge : adjacency.edges(face))
       if (edge.valid())
         for (const FaceId next : adjacency.faces(edge)) reach(next);
-  return reached;
+  };
+  return flood_over(beside, seeds, faces, wanted);
 }
 
 }  // namespace armature::sdk
