@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <armature/sdk/deformation/deform.h>
+#include <armature/sdk/deformation/sphere_counterparts.h>
 #include <armature/sdk/io/write_mesh.h>
 #include <fmt/format.h>
 
@@ -31,6 +32,8 @@ struct Arguments {
   std::size_t level = 0;
   std::string weights = "clusters", blend = "dual-quaternions";
   double reach = sdk::HeatOptions{}.reach;
+  bool similar = false;
+  sdk::SwingOptions swing;
   bool json = false;
 };
 
@@ -42,9 +45,13 @@ Expected<void> run_deform(const Arguments& arguments) {
   if (arguments.level < hierarchy.min_spheres() || arguments.level > hierarchy.leaf_count())
     return fail(fmt::format("--level {}: {} has levels of {} to {} spheres; choose one of them", arguments.level,
                             arguments.hierarchy, hierarchy.min_spheres(), hierarchy.leaf_count()));
-  const auto moves = read_sphere_moves(arguments.moves, arguments.level);
-  if (!moves) return tl::unexpected(moves.error());
+  const auto given = read_sphere_moves(arguments.moves, arguments.level);
+  if (!given) return tl::unexpected(given.error());
   const auto start = std::chrono::steady_clock::now();
+  const auto moves =
+      arguments.similar ? sdk::with_counterparts(mesh, hierarchy, arguments.level, *given, arguments.swing, call.task())
+                        : *given;
+  if (!moves) return fail(arguments.moves + ": " + moves.error().message);
   const sdk::DeformOptions options{.heat = {.reach = arguments.reach},
                                    .weights = choice_of(kWeights, arguments.weights),
                                    .blend = choice_of(kBlends, arguments.blend)};
@@ -64,11 +71,13 @@ Expected<void> run_deform(const Arguments& arguments) {
     return write_json_line(stdout, {{"vertices", mesh.positions.size()},
                                     {"faces", mesh.triangles.size()},
                                     {"spheres", arguments.level},
-                                    {"moves", moves->size()},
+                                    {"moves", given->size()},
+                                    {"counterparts", moves->size() - given->size()},
                                     {"moved_vertices", moved},
                                     {"largest_displacement", number(most)},
                                     {"deform_ms", number(deform_ms)}});
-  fmt::print("{}: {} of {} vertices moved, {:.6g} at most\n", arguments.out, moved, mesh.positions.size(), most);
+  fmt::print("{}: {} of {} vertices moved, {:.6g} at most{}\n", arguments.out, moved, mesh.positions.size(), most,
+             arguments.similar ? fmt::format("; {} counterparts", moves->size() - given->size()) : "");
   return {};
 }
 
@@ -103,9 +112,30 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
                    "how far spheres blend into one another: weights fall by a factor e over so much of the diagonal")
       ->check(CLI::Range(1e-4, 10.0))
       ->capture_default_str();
-  command->add_flag(
-      "--json", arguments->json,
-      "one JSON object: vertices, faces, spheres, moves, moved_vertices, largest_displacement, deform_ms");
+  CLI::Option* similar = command->add_flag(
+      "--similar", arguments->similar,
+      "move counterparts of the spheres likewise, in their own frames: best in hierarchies of `armature decimate`");
+  command
+      ->add_option("--misfit", arguments->swing.counterparts.most_misfit,
+                   "how far surfaces about counterparts lie apart at most, as a part of their size")
+      ->check(CLI::Range(1e-6, 10.0))
+      ->capture_default_str()
+      ->needs(similar);
+  command
+      ->add_option("--time", arguments->swing.time,
+                   "when, in periods, if the moves swing to and fro: 0 is at rest, 0.25 all of them")
+      ->check(CLI::Number)
+      ->capture_default_str()
+      ->needs(similar);
+  command
+      ->add_option("--phase", arguments->swing.phases,
+                   "by how many periods counterparts lag behind, the best first and over again if they are more")
+      ->check(CLI::Number)
+      ->delimiter(',')
+      ->needs(similar);
+  command->add_flag("--json", arguments->json,
+                    "one JSON object: vertices, faces, spheres, moves, counterparts, moved_vertices, "
+                    "largest_displacement, deform_ms");
   command->footer(
       "Moves, one after the other; [] moves nothing:\n"
       "  "
@@ -118,7 +148,9 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
       "Examples:\n"
       "  armature spheremesh build cow.obj cow.ma --spheres 40 --hierarchy cow.smh\n"
       "  echo '[{\"spheres\":[3],\"translate\":[0,0.1,0]},{\"spheres\":[7],\"radius\":0.2}]' > moves.json\n"
-      "  armature spheremesh deform cow.obj cow.smh moves.json moved.ply --level 40");
+      "  armature spheremesh deform cow.obj cow.smh moves.json moved.ply --level 40\n"
+      "  armature decimate cow.obj cow.ma --target 40 --hierarchy alike.smh\n"
+      "  armature spheremesh deform cow.obj alike.smh moves.json walks.ply --level 40 --similar --phase 0.5");
   command->callback([arguments, &run] { run = [arguments] { return run_deform(*arguments); }; });
 }
 
