@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 
 ARMATURE = Path(sys.argv[1]) / "bin" / "armature"
+ANIMAL = Path(__file__).resolve().parents[2] / "tools/pictures/animal.py"
 LEVEL = 12
 
 
@@ -114,6 +115,32 @@ class SphereMeshDeform(unittest.TestCase):
         deformed, _ = self.deform([{"spheres": [0], "radius": 1.5 * radius}], level=1)
         wider = [max(p[0] for p in points) - min(p[0] for p in points) for points in (deformed, self.vertices)]
         self.assertGreater(wider[0], wider[1] + radius / 2)
+
+    def test_counterparts_move_likewise_in_their_own_frames(self):
+        mesh, level, hierarchy = (self.here / name for name in ("animal.off", "animal.ma", "animal.smh"))
+        subprocess.run([sys.executable, ANIMAL, mesh, "0.03"], check=True)
+        made = run("decimate", mesh, level, "--target", 40, "--hierarchy", hierarchy)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        spheres = [tuple(map(float, line.split()[1:])) for line in level.read_text().splitlines() if line[0] == "v"]
+        up = 1  # the lowest four are the feet
+        feet = sorted(range(40), key=lambda s: spheres[s][up])[:4]
+        before = vertices_of_off(mesh)
+        at_rest = {foot: min(range(len(before)), key=lambda v: math.dist(before[v], spheres[foot][:3])) for foot in feet}
+        move = [{"spheres": [feet[0]], "translate": [0, 0.1, 0]}]
+        gone = lambda after: [round(math.dist(after[v], before[v]), 2) for v in at_rest.values()]
+        alone, said = self.deform(move, level=40, mesh=mesh, hierarchy=hierarchy)
+        self.assertEqual(said["counterparts"], 0)
+        self.assertLess(sorted(gone(alone))[2], 0.05)
+        together, said = self.deform(move, "--similar", level=40, mesh=mesh, hierarchy=hierarchy)
+        self.assertEqual(said["counterparts"], 3)
+        self.assertGreater(min(gone(together)), 0.05)
+        self.assertLess(max(gone(together)) - min(gone(together)), 0.03)
+        still, _ = self.deform(move, "--similar", "--time", 0, level=40, mesh=mesh, hierarchy=hierarchy)
+        self.assertEqual(still, before)
+        for options in (("--phase", 0.5), ("--similar", "--phase", "soon"), ("--similar", "--time", "nan")):
+            result = run("spheremesh", "deform", mesh, hierarchy, self.moves(move), self.here / "o.off", "--level", 40, *options)
+            self.assertNotEqual(result.returncode, 0, options)
+            self.assertFalse((self.here / "o.off").exists())
 
     def test_moves_that_cannot_be_are_refused_with_their_place(self):
         path = self.here / "moves.json"
