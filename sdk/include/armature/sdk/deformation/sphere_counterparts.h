@@ -50,7 +50,7 @@ struct SwingOptions {
   double time = 0.25;
   /// By how many periods counterparts lag behind, the best first and over again if they are more. Empty: none do.
   std::vector<double> phases = {};
-  CounterpartOptions counterparts = {};
+  CounterpartOptions counterparts = {};  ///< what counts as one
 };
 
 /// Moves of one level, and after each what it is for the counterparts of its spheres; a move without spheres has none.
