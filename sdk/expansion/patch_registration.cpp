@@ -140,9 +140,9 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
 Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
   const Surface& target = graph.surface();
   const double radius = scale * ball_.radius;
-  const PatchSurroundings there(graph, at, radius, (1 + 2 * kAstray) * radius);
+  const PatchSurroundings there(graph, at, radius, (1 + kAstray) * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
-  const SampleGrid grid(there.samples, there.centre, (1 + 2 * kAstray) * radius);
+  const SampleGrid grid(there.samples, there.centre, (1 + kAstray) * radius);
   const auto roughly = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
     const SurfaceSample* near = grid.near(from);
     if (near == nullptr) return std::nullopt;
