@@ -250,8 +250,12 @@ Expected<Config> load_config(const std::filesystem::path& path) {
   auto config = parse(text, path.string(), line);
   if (!config || config->background.empty()) return config;
   auto background = read_background(config->background);
-  if (!background)
-    return fail(fmt::format("{}:{}: segmentation.background = {}", path.string(), line, background.error().message));
+  if (!background) {
+    const std::string why = background.error().message;
+    const bool closed = why.find(std::generic_category().message(EACCES)) != std::string::npos;
+    return fail(fmt::format("{}:{}: segmentation.background = {}{}", path.string(), line, why,
+                            closed ? "; let the daemon read it: systemd-tmpfiles --create armature.conf" : ""));
+  }
   config->tracker.segmentation.background = std::make_shared<const StoredBackground>(std::move(*background));
   return config;
 }

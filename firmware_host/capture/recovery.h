@@ -69,6 +69,7 @@ class Recovery {
       const Time patience = std::min<Time>(10s * (1 << std::min(waits_, 3)), 60s);
       if (reader == Reader::Opening || now - waiting_since_ < patience) return Step::None;
       ++waits_;
+      tried_ = 0;  // it came back from the library: what was in vain before says nothing of the next open
       return Step::RestartProcess;
     }
     waiting_since_ = now;

@@ -29,7 +29,7 @@ constexpr std::size_t kSamples = 256, kGlance = 32;
 constexpr double kGlanceMisfit = 4;
 constexpr std::size_t kRefined = 4;
 constexpr int kRounds = 8;
-// Spreads, radii and places of spheres that correspond differ by so much at most; places in spreads.
+// Spreads of what corresponds differ by so many times at most; radii and places by so many spreads.
 constexpr double kSize = 1.3, kPlace = 0.5;
 // Turns that fit so nearly alike, in spreads, are told apart by the whole mesh.
 constexpr double kEqually = 0.02;
@@ -254,7 +254,8 @@ Expected<std::vector<SphereCounterpart>> sphere_counterparts(const Mesh& mesh, c
   std::ranges::stable_sort(found, {}, &SphereCounterpart::misfit);
   std::vector<SphereCounterpart> each;
   for (SphereCounterpart& one : found)
-    if (std::ranges::none_of(each, [&](const auto& other) { return other.spheres == one.spheres; }))
+    if (std::ranges::none_of(
+            each, [&](const auto& other) { return std::ranges::is_permutation(other.spheres, one.spheres); }))
       each.push_back(std::move(one));
   return each;
 }
@@ -292,13 +293,16 @@ Expected<std::vector<SphereMove>> with_counterparts(const Mesh& mesh, const Hier
     if (moves[i].spheres.empty()) continue;
     const auto counterparts =
         sphere_counterparts(mesh, hierarchy, spheres, moves[i].spheres, options.counterparts, task);
+    if (!counterparts && counterparts.error().kind == ErrorKind::Cancelled) return tl::unexpected(counterparts.error());
     if (!counterparts) return fail(place + counterparts.error().message);
     std::vector<std::uint8_t> moved(spheres, 0);
-    for (std::size_t k = 0; k < counterparts->size(); ++k) {
-      const double phase = options.phases.empty() ? 0 : options.phases[k % options.phases.size()];
-      SphereMove there = share_of(carried(moves[i], (*counterparts)[k]), at(options.time - phase));
-      std::erase_if(there.spheres, [&](SphereId s) { return std::exchange(moved[s.index()], std::uint8_t{1}) != 0; });
-      if (!there.spheres.empty()) all.push_back(std::move(there));
+    std::size_t followers = 0;
+    for (const SphereCounterpart& counterpart : *counterparts) {
+      if (std::ranges::any_of(counterpart.spheres, [&](SphereId s) { return moved[s.index()] != 0; })) continue;
+      for (const SphereId s : counterpart.spheres) moved[s.index()] = 1;
+      const double phase = options.phases.empty() ? 0 : options.phases[followers % options.phases.size()];
+      all.push_back(share_of(carried(moves[i], counterpart), at(options.time - phase)));
+      ++followers;
     }
   }
   return all;

@@ -230,6 +230,7 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
   const LevelTree& tree = model.level_tree();
   if (task.stopped()) return cancelled();
   std::vector<FaceId> reference(part.begin(), part.end());
+  const FaceId place = &of == &model ? part[part.size() / 2] : FaceId(0);  // of what is said about the reference
   const auto reference_node = node_of(of, of.level_tree(), part);
   if (!reference_node)
     return Expansion(std::move(reference), {},
@@ -240,8 +241,9 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
   if (nodes.empty())
     return Expansion(
         std::move(reference), {},
-        {{FaceId(0), "nothing is compared: no other protrusion is between " + in_percent(1 / options.largest_scale) +
-                         " and " + in_percent(options.largest_scale) + " as wide as the part"}});
+        {{place, "nothing is compared: no other protrusion is a quarter as long for its width, and between " +
+                     in_percent(1 / options.largest_scale) + " and " + in_percent(options.largest_scale) +
+                     " as wide as the part"}});
   const RegionShares shares(of.surface(), part);
   RingCut around_reference(of);
   const LevelNode& reference_root = of.level_tree().nodes()[*reference_node];

@@ -68,7 +68,7 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
   };
   const auto ask = [&](FaceId face, const Vector3d& at, const Answer& beside) {
     const SurfacePoint on = surface_->tree.closest(at, {.within = kReach * ball_.radius, .hint = beside.nearest});
-    if (!on.face.valid()) return Answer{at, kSure * border_.closest(at).distance, false, false, beside.nearest};
+    if (!on.face.valid()) return Answer{at, 0, false, false, beside.nearest};
     double to_border = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t corner = surface_->mesh.triangle(on.face)[k].index();
@@ -92,7 +92,7 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
       answers.push_back(ask(face, at, beside));
       answer = answers.size() - 1;
     }
-    if (!answers[answer].near) return;  // nor does what lies behind it
+    if (!answers[answer].near && face != start.face) return;  // nor does what lies behind it
     reached.emplace_back(face, answer);
     is_inside[face.index()] = answers[answer].inside;
   };

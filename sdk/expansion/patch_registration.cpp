@@ -24,8 +24,9 @@ constexpr std::size_t kMostSamples = 1500;
 constexpr std::size_t kFew = 120;   // that decide between angles
 constexpr std::size_t kMany = 300;  // that decide where exactly
 constexpr std::size_t kAll = kMostSamples;
-constexpr std::size_t kStarts = 8;  // that are tried, of each handedness
-constexpr double kAstray = 0.25;    // how far from its place a centre is looked for, of the radius
+constexpr std::size_t kStarts = 8;           // that are tried, of each handedness
+constexpr std::array kAstray = {0.25, 0.5};  // how far from its place a centre is looked for, of the radius
+constexpr double kGathered = 1.25;  // of the radius; the farther centres see their far side cut off, and find as many
 constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
@@ -75,7 +76,7 @@ std::vector<Start> best_starts(const PolarRelief& reference, const std::vector<C
 /// Where the centre may lie: noise leads the maxima of contexts astray.
 std::vector<Centre> centres_about(const PatchSurroundings& there, double radius) {
   std::vector<Centre> centres = {{there.centre, there.relief}};
-  for (const double astray : {kAstray, 2 * kAstray})
+  for (const double astray : kAstray)
     for (int k = 0; k < kAround; ++k) {
       const double angle = 2 * std::numbers::pi * k / kAround;
       const Vector3d aside(std::cos(angle), std::sin(angle), 0);
@@ -140,9 +141,9 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
 Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
   const Surface& target = graph.surface();
   const double radius = scale * ball_.radius;
-  const PatchSurroundings there(graph, at, radius, (1 + kAstray) * radius);
+  const PatchSurroundings there(graph, at, radius, kGathered * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
-  const SampleGrid grid(there.samples, there.centre, (1 + kAstray) * radius);
+  const SampleGrid grid(there.samples, there.centre, kGathered * radius);
   const auto roughly = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
     const SurfaceSample* near = grid.near(from);
     if (near == nullptr) return std::nullopt;

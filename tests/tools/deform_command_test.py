@@ -140,6 +140,7 @@ class SphereMeshDeform(unittest.TestCase):
         for options in (("--phase", 0.5), ("--similar", "--phase", "soon"), ("--similar", "--time", "nan")):
             result = run("spheremesh", "deform", mesh, hierarchy, self.moves(move), self.here / "o.off", "--level", 40, *options)
             self.assertNotEqual(result.returncode, 0, options)
+            self.assertIn(options[-2], result.stderr)
             self.assertFalse((self.here / "o.off").exists())
 
     def test_moves_that_cannot_be_are_refused_with_their_place(self):

@@ -111,7 +111,7 @@ class Edit(unittest.TestCase):
         self.refused(1, "nothing.off", self.here / "nothing.off", out, "--gesture", self.gesture, *fine)
         self.refused(1, "nothing.json", self.mesh, out, "--gesture", self.here / "nothing.json", *fine)
         self.refused(1, "bad.json", self.mesh, out, "--gesture", self.file("bad.json", "{"), *fine)
-        self.refused(2, "expected a name that ends in", self.mesh, self.here / "out.txt", "--gesture", self.gesture,
+        self.refused(2, "out.txt: expected a name that ends in", self.mesh, self.here / "out.txt", "--gesture", self.gesture,
                      *fine)
         self.refused(1, "--expand", self.mesh, out, "--gesture", self.gesture, "--op", "copy", "--amount", 1)
         self.refused(1, "--expand", self.mesh, out, "--gesture", self.gesture, "--op", "alike", "--amount", 1)

@@ -8,11 +8,11 @@ namespace armature::tools {
 std::string wrong_mesh_name(const std::string& path) {
   const auto format = sdk::mesh_format_of(path);
   const bool known = format == sdk::MeshFormat::Ply || format == sdk::MeshFormat::Obj || format == sdk::MeshFormat::Off;
-  return known ? "" : "expected a name that ends in .ply, .obj or .off";
+  return known ? "" : path + ": expected a name that ends in .ply, .obj or .off";
 }
 
 std::string wrong_sphere_mesh_name(const std::string& path) {
-  return sdk::sphere_mesh_format_of(path) ? "" : "expected a name that ends in .ma, .ply or .urdf";
+  return sdk::sphere_mesh_format_of(path) ? "" : path + ": expected a name that ends in .ma, .ply or .urdf";
 }
 
 }  // namespace armature::tools

@@ -33,7 +33,7 @@ struct Live {
 
 Live live;
 
-/// Of larger meshes a boundary is shown only once it is dragged: that takes longer than a frame.
+/// On a larger mesh the new boundary is shown after the drag alone: finding it takes longer than a frame.
 constexpr std::size_t kMostFacesDragged = 200'000;
 
 std::string words_of(const Eigen::Vector3d& point) {
@@ -164,7 +164,7 @@ void continue_gesture(Ui& ui) {
     show(*model, live.brush->faces());
   } else if (!model->selecting.reference.empty()) {
     live.to = point;
-    if (surface.mesh.triangles.size() > kMostFacesDragged) return;
+    if (surface.mesh.triangles.size() > kMostFacesDragged) return ui.session.tell("let go to see the new boundary");
     const auto drag = boundary_drag(surface, surface.tree.closest(*live.from), to, 0);
     show(*model, sdk::drag_boundary(surface, model->selecting.reference, drag));
   }

@@ -25,7 +25,7 @@ enum class Panel : std::uint8_t { Look, Spheres, Select, Edit };
 enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso, Edge, Pose, Spot };
 enum class MeshLook : std::uint8_t { Solid, Glass, Off };
 enum class SpheresLook : std::uint8_t { Surface, Structure, Off };
-enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Components };
+enum class MapKind : std::uint8_t { None, Curvature, Protrusion, Similarity, Components, Compared };
 
 ///@{
 /// How scripts spell them, in the order of the enumerations.
@@ -34,7 +34,8 @@ inline const std::vector<std::string_view> kPanels = {"look", "spheres", "select
 inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "edge", "pose", "spot"};
 inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
 inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
-inline const std::vector<std::string_view> kMaps = {"none", "curvature", "protrusion", "similarity", "components"};
+inline const std::vector<std::string_view> kMaps = {"none",       "curvature",  "protrusion",
+                                                    "similarity", "components", "compared"};
 ///@}
 
 /// How shapes are shown.

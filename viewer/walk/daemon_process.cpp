@@ -108,7 +108,11 @@ navproto::Expected<fs::path> DaemonProcess::keep_settings() const {
   const fs::path unfinished = kept.string() + ".part." + std::to_string(getpid());
   fs::copy_file(folder_ / kSettings, unfinished, fs::copy_options::overwrite_existing, error);
   if (!error) fs::rename(unfinished, kept, error);
-  if (error) return navproto::fail(kept.string() + ": cannot be written: " + error.message());
+  if (error) {
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    return navproto::fail(kept.string() + ": cannot be written: " + error.message());
+  }
   return kept;
 }
 
@@ -126,7 +130,10 @@ std::string DaemonProcess::last_words() const {
     if (!line.empty()) last = line;
   // The daemon knows its own copy of the settings; people know the file that it is a copy of.
   const std::string copy = folder_ / kSettings;
-  if (const auto at = last.find(copy); at != std::string::npos) last.replace(at, copy.size(), kept_settings().string());
+  const fs::path kept = kept_settings();
+  std::error_code none;
+  if (const auto at = last.find(copy); at != std::string::npos && fs::exists(kept, none))
+    last.replace(at, copy.size(), kept.string());
   return last;
 }
 

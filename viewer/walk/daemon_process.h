@@ -27,7 +27,7 @@ class DaemonProcess {
   /// False once it has ended.
   [[nodiscard]] bool running();
   /// The last line that it wrote before it ended, without a time. It names the settings by the file that somebody
-  /// keeps.
+  /// keeps, if there is one.
   [[nodiscard]] std::string last_words() const;
 
  private:

@@ -195,7 +195,7 @@ TEST_F(Hands, AskWhatIsLikeASpot) {
   ASSERT_TRUE(session.execute("tool spot"));
   drag({300, 200}, {0, 0});
   EXPECT_EQ(session.models.front()->editing.similarity.size(), session.models.front()->mesh->mesh.positions.size());
-  EXPECT_EQ(session.looks.map, MapKind::Similarity);
+  EXPECT_EQ(session.looks.map, MapKind::Compared);
 }
 
 TEST_F(Hands, ChangeTheBrushByTheWheel) {

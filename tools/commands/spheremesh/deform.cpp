@@ -1,5 +1,6 @@
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -51,6 +52,7 @@ Expected<void> run_deform(const Arguments& arguments) {
   const auto moves =
       arguments.similar ? sdk::with_counterparts(mesh, hierarchy, arguments.level, *given, arguments.swing, call.task())
                         : *given;
+  if (!moves && moves.error().kind == sdk::ErrorKind::Cancelled) return fail(moves.error().message);
   if (!moves) return fail(arguments.moves + ": " + moves.error().message);
   const sdk::DeformOptions options{.heat = {.reach = arguments.reach},
                                    .weights = choice_of(kWeights, arguments.weights),
@@ -85,6 +87,13 @@ Expected<void> run_deform(const Arguments& arguments) {
 
 void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
   auto arguments = std::make_shared<Arguments>();
+  const CLI::Validator finite(
+      [](const std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? ""
+                                                                              : text + ": expected a finite number";
+      },
+      "FLOAT");
   CLI::App* command = spheremesh.add_subcommand("deform", "Move spheres of a level, and the mesh follows.");
   command->add_option("MESH", arguments->mesh, "the mesh that the hierarchy was built from")->required();
   command->add_option("HIERARCHY", arguments->hierarchy, "its hierarchy (.smh)")->required()->type_name("H.smh");
@@ -123,14 +132,15 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
       ->needs(similar);
   command
       ->add_option("--time", arguments->swing.time,
-                   "when, in periods, if the moves swing to and fro: 0 is at rest, 0.25 all of them")
-      ->check(CLI::Number)
+                   "when, in periods, if the moves swing to and fro: 0 is at rest but for radii, which "
+                   "are set throughout; 0.25 all of them")
+      ->check(finite)
       ->capture_default_str()
       ->needs(similar);
   command
       ->add_option("--phase", arguments->swing.phases,
                    "by how many periods counterparts lag behind, the best first and over again if they are more")
-      ->check(CLI::Number)
+      ->check(finite)
       ->delimiter(',')
       ->needs(similar);
   command->add_flag("--json", arguments->json,

@@ -78,8 +78,8 @@ void draw_alike(Ui& ui, const Model& model) {
   if (ImGui::Button("Like the selection")) ui.issue("similarity {}", kLikenesses[static_cast<std::size_t>(ui.like_by)]);
   ImGui::EndDisabled();
   if (!model.editing.similarity.empty()) {
-    bool shown = session.looks.map == MapKind::Similarity;
-    if (ImGui::Checkbox("Show the map", &shown)) ui.issue("map {}", shown ? "similarity" : "none");
+    bool shown = session.looks.map == MapKind::Compared;
+    if (ImGui::Checkbox("Show the map", &shown)) ui.issue("map {}", shown ? "compared" : "none");
   }
 }
 

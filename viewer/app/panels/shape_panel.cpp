@@ -33,8 +33,8 @@ void draw_looks(Ui& ui, const Model& model) {
     if (ImGui::Checkbox("Matcap", &matcap)) ui.issue("matcap {}", matcap ? "on" : "off");
     int map = static_cast<int>(session.looks.map);
     ImGui::SetNextItemWidth(-1);
-    static constexpr std::array<const char*, 5> kNames = {"Own colours", "Curvature", "What protrudes",
-                                                          "Like the selection", "Components"};
+    static constexpr std::array<const char*, 6> kNames = {"Own colours",        "Curvature",  "What protrudes",
+                                                          "Like the selection", "Components", "As compared"};
     if (ImGui::Combo("##map", &map, kNames.data(), static_cast<int>(kNames.size())))
       ui.issue("map {}", kMaps[static_cast<std::size_t>(map)]);
   }

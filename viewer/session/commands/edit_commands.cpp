@@ -56,7 +56,7 @@ Done similarity(Session& session, Arguments& arguments) {
                     if (keeps) model->editing.descriptors[by] = descriptor;
                     model->editing.similarity = alike;
                     model->values = alike;
-                    session.looks.map = MapKind::Similarity;
+                    session.looks.map = MapKind::Compared;
                     ++model->colour_revision;
                   });
                 });
@@ -120,7 +120,7 @@ void change_mesh(Session& session, Model& model, std::shared_ptr<const MeshShape
   ++model.mesh_revision;
   ++model.spheres_revision;
   if (session.looks.mesh == MeshLook::Off) session.looks.mesh = MeshLook::Solid;  // there are no spheres now
-  if (session.looks.map == MapKind::Curvature || session.looks.map == MapKind::Protrusion) {
+  if (session.looks.map != MapKind::Components && session.looks.map != MapKind::Compared) {
     session.looks.map = MapKind::None;
     model.values.clear();
   }

@@ -119,9 +119,9 @@ Done map(Session& session, Arguments& arguments) {
     session.looks.map = kind;
     return {};
   }
-  // What was compared last, whatever by, comes before the selection's shape.
-  if (const auto& compared = (*model)->editing.similarity; kind == MapKind::Similarity && !compared.empty()) {
-    (*model)->values = compared;
+  if (kind == MapKind::Compared) {
+    if ((*model)->editing.similarity.empty()) return sdk::fail("nothing was compared yet; `similarity` does");
+    (*model)->values = (*model)->editing.similarity;
     ++(*model)->colour_revision;
     session.looks.map = kind;
     return {};
@@ -162,7 +162,7 @@ constexpr std::array kCommands = {
     Command{"spheres", "surface|structure|off", "how the sphere-mesh is shown", spheres, true},
     Command{"wireframe", "on|off", "the mesh's edges, over its faces", wireframe, true},
     Command{"matcap", "on|off", "light by the normal alone, without darker corners", matcap, true},
-    Command{"map", "none|curvature|protrusion|similarity|components", "colours on the mesh", map},
+    Command{"map", "none|curvature|protrusion|similarity|components|compared", "colours on the mesh", map},
     Command{"pick", "X Y", "what is there; y is 1 at the view's upper edge, -1 at its lower, x in the same unit", pick,
             true},
 };

@@ -54,7 +54,7 @@ struct SwingOptions {
 };
 
 /// Moves of one level, and after each what it is for the counterparts of its spheres; a move without spheres has none.
-/// A sphere that is in several counterparts of a move goes with the best. Fails as `sphere_counterparts()`, for moves
+/// Of counterparts of a move that share spheres the best alone moves. Fails as `sphere_counterparts()`, for moves
 /// that `check()` refuses, and for numbers that are not finite.
 [[nodiscard]] Expected<std::vector<SphereMove>> with_counterparts(const Mesh& mesh, const Hierarchy& hierarchy,
                                                                   std::size_t spheres,
