@@ -20,6 +20,33 @@ std::vector<FaceId> in_order(std::vector<FaceId> faces) {
   return faces;
 }
 
+std::size_t count_pieces(const Adjacency& adjacency, std::span<const FaceId> faces) {
+  if (faces.empty()) return 0;
+  std::vector<bool> left(faces.back().index() + 1);
+  for (const FaceId face : faces) left[face.index()] = true;
+  const auto take = [&](FaceId face) {
+    if (face.index() >= left.size() || !left[face.index()]) return false;
+    left[face.index()] = false;
+    return true;
+  };
+  std::size_t pieces = 0;
+  std::vector<FaceId> reached;
+  for (const FaceId first : faces) {
+    if (!take(first)) continue;
+    ++pieces;
+    reached.assign(1, first);
+    while (!reached.empty()) {
+      const FaceId face = reached.back();
+      reached.pop_back();
+      for (const EdgeId edge : adjacency.edges(face))
+        if (edge.valid())
+          for (const FaceId next : adjacency.faces(edge))
+            if (take(next)) reached.push_back(next);
+    }
+  }
+  return pieces;
+}
+
 bool Selection::contains(FaceId face) const noexcept {
   return std::ranges::binary_search(faces_, face);
 }

@@ -43,12 +43,28 @@ void App::lay_out(int width, int height) {
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
   ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
   ui_.beside = {};
+  session_.aspect = static_cast<double>(ui_.view.size.x / ui_.view.size.y);
   if (session_.mode == Mode::Shapes && session_.other() != nullptr) {
     const float half = std::round(ui_.view.size.x / 2);
     ui_.beside = {{ui_.view.at.x + half, 0}, {ui_.view.size.x - half, ui_.view.size.y}};
     ui_.view.size.x = half;
   }
-  session_.aspect = static_cast<double>(ui_.view.size.x / ui_.view.size.y);
+}
+
+/// Over a view, as much of it as there is room for.
+void App::draw_name(const Area& area, std::string name) const {
+  const float room = area.size.x - ui_.px(28);
+  const auto wide = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  if (wide(name) > room) {
+    const auto is_inside = [&](std::size_t at) { return at < name.size() && (name[at] & 0xC0) == 0x80; };
+    std::size_t length = name.size();
+    do {
+      while (is_inside(--length)) {  // of a letter of several bytes
+      }
+    } while (length > 0 && wide(name.substr(0, length) + "...") > room);
+    name = name.substr(0, length) + "...";
+  }
+  ImGui::GetBackgroundDrawList()->AddText({area.at.x + ui_.px(14), ui_.px(12)}, theme::kInk, name.c_str());
 }
 
 /// Depth in greys, nearer is lighter; whoever steers in the accent's colour.
@@ -116,10 +132,8 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
   if (ui_.beside.size.x > 0) {
-    const ImVec2 at(ui_.beside.at.x + ui_.px(14), ui_.px(12));
-    ImGui::GetBackgroundDrawList()->AddText(at, theme::kInk, session_.other()->name.c_str());
-    ImGui::GetBackgroundDrawList()->AddText({ui_.view.at.x + ui_.px(14), at.y}, theme::kInk,
-                                            session_.models[session_.active_model]->name.c_str());
+    draw_name(ui_.view, session_.models[session_.active_model]->name);
+    draw_name(ui_.beside, session_.other()->name);
   }
   if (ui_.view.size.y < h) draw_status_bar(ui_, {{0, ui_.view.size.y}, {w, h - ui_.view.size.y}});
   if (ui_.log) draw_log(ui_);
@@ -146,7 +160,12 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
 }
 
 bool App::calm() const noexcept {
-  return !rough() && session_.mode == Mode::Shapes && !session_.busy();
+  const auto paints = [](const ViewPainter& painter) { return painter.rough() && !painter.awaits(); };
+  return !paints(painter_) && !(beside_ && paints(*beside_)) && session_.mode == Mode::Shapes;
+}
+
+bool App::awaits() const noexcept {
+  return session_.busy() || ui_.following || painter_.awaits() || (beside_ && beside_->awaits());
 }
 
 }  // namespace armature::viewer

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "viewer/app/ui.h"
 #include "viewer/app/view_painter.h"
@@ -24,12 +25,15 @@ class App {
   [[nodiscard]] sdk::Expected<void> draw(int width, int height, GLuint framebuffer, bool careful);
   /// Whether the picture is rougher than it is once nothing moves.
   [[nodiscard]] bool rough() const noexcept { return painter_.rough() || (beside_ && beside_->rough()); }
-  /// Whether the next frame would look the same if nobody does anything.
+  /// Whether the next frame would look the same if nobody does anything and nothing goes on in the background,
   [[nodiscard]] bool calm() const noexcept;
+  /// as it does where something is being made that is to be shown.
+  [[nodiscard]] bool awaits() const noexcept;
 
  private:
   App(Session& session, float scale, ViewPainter painter);
   void lay_out(int width, int height);
+  void draw_name(const Area& area, std::string name) const;
   void update_depth();
   [[nodiscard]] sdk::Expected<void> draw_view(ViewPainter& painter, const std::shared_ptr<const Model>& model,
                                               const Area& area, int height, GLuint framebuffer, bool careful);

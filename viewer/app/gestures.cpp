@@ -1,6 +1,8 @@
 #include "viewer/app/gestures.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -8,6 +10,27 @@
 #include <armature/sdk/selection/patch_brush.h>
 
 namespace armature::viewer {
+namespace {
+
+using Faces = std::vector<sdk::FaceId>;
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Says what a gesture would select that has gone on through more points. Called by one thread at a time.
+using Follower = std::function<sdk::Expected<Faces>(const Points&, const sdk::Task&)>;
+
+}  // namespace
+
+/// What the tool in hand does. What it would select is found in the background: the points that were drawn meanwhile
+/// are taken together, so it keeps up however large the mesh is.
+struct Gesture {
+  std::weak_ptr<Model> model = {};             ///< that it began on
+  Tool tool = Tool::Look;                      ///< that it began with
+  const char* how = "new";                     ///< as its command says it
+  Points points = {};                          ///< on the surface, that its command will hold
+  std::size_t followed = 0;                    ///< how many of them the follower has been told
+  std::shared_ptr<const Follower> follower{};  ///< or none
+  Job following = {};                          ///< may still be about a gesture before
+};
 
 ViewPoint view_point(const Ui& ui, const ImVec2& pixel) {
   const Area& view = ui.view;
@@ -22,41 +45,22 @@ void issue_camera(Ui& ui, const OrbitCamera& c) {
 
 namespace {
 
-/// What the gesture that goes on would select.
-struct Live {
-  std::weak_ptr<Model> model = {};
-  std::shared_ptr<const MeshShape> mesh = {};  // that it began on
-  std::optional<sdk::PatchBrush> brush = {};
-  sdk::Brush kind = sdk::Brush::Patch;
-  std::optional<Eigen::Vector3d> from = {}, to = {};  // of a boundary that is dragged
-};
-
-Live live;
-
-/// On a larger mesh the new boundary is shown after the drag alone: finding it takes longer than a frame.
-constexpr std::size_t kMostFacesDragged = 200'000;
+/// A point of a stroke is so far from the one before, in units of layout.
+constexpr float kStep = 4;
 
 std::string words_of(const Eigen::Vector3d& point) {
   return fmt::format("{:.9g} {:.9g} {:.9g}", point.x(), point.y(), point.z());
 }
 
+std::string words_of(const Points& points) {
+  std::string words;
+  for (const Eigen::Vector3d& point : points) words += ' ' + words_of(point);
+  return words;
+}
+
 /// In the model's unit.
 double brush_radius(const Ui& ui) {
   return ui.session.brush * 2 * ui.session.around().radius;
-}
-
-/// The points of a stroke on the surface, as words; those beside the model are left out.
-std::string stroke_on_surface(Ui& ui, std::size_t& count) {
-  std::string words;
-  count = 0;
-  const std::size_t step = std::max<std::size_t>(1, ui.stroke.size() / 64);
-  for (std::size_t i = 0; i < ui.stroke.size(); i += step) {
-    const auto found = ui.session.pick(view_point(ui, ui.stroke[i]));
-    if (!found || !found->face.valid()) continue;
-    words += fmt::format(" {}", words_of(found->point));
-    ++count;
-  }
-  return words;
 }
 
 /// The vertex nearest to what is seen there.
@@ -68,113 +72,178 @@ std::optional<sdk::VertexId> vertex_at(Ui& ui, const ImVec2& pixel) {
                           [&](sdk::VertexId v) { return (mesh.position(v) - found->point).squaredNorm(); });
 }
 
-/// What is seen of the mesh there.
-std::optional<Eigen::Vector3d> point_at(Ui& ui, const ImVec2& pixel) {
-  const auto found = ui.session.pick(view_point(ui, pixel));
-  return found && found->face.valid() ? std::optional(found->point) : std::nullopt;
+void lasso(Ui& ui) {
+  if (ui.stroke.size() < 3) return;
+  std::string words;
+  const std::size_t step = std::max<std::size_t>(1, ui.stroke.size() / 128);
+  for (std::size_t i = 0; i < ui.stroke.size(); i += step) {
+    const ViewPoint at = view_point(ui, ui.stroke[i]);
+    words += fmt::format(" {:.5g} {:.5g}", at.x(), at.y());
+  }
+  issue_camera(ui, ui.session.camera);  // what a loop holds depends on it
+  ui.issue("lasso{}", words);
 }
 
-void end_tool_drag(Ui& ui) {
+/// The command that the gesture was.
+void issue_gesture(Ui& ui, const Gesture& gesture) {
   Session& session = ui.session;
-  const ImGuiIO& io = ImGui::GetIO();
-  if (session.tool == Tool::Click) {
-    const auto found = session.pick(view_point(ui, io.MousePos));
-    if (found && found->face.valid()) ui.issue("click {}", found->face.index());
-  } else if (session.tool == Tool::Spot) {
-    if (const auto vertex = vertex_at(ui, io.MousePos))
-      ui.issue("similarity {} {}", kLikenesses[static_cast<std::size_t>(ui.like_by)], vertex->index());
-  } else if (session.tool == Tool::Lasso) {
-    if (ui.stroke.size() < 3) return;
-    std::string words;
-    const std::size_t step = std::max<std::size_t>(1, ui.stroke.size() / 128);
-    for (std::size_t i = 0; i < ui.stroke.size(); i += step) {
-      const ViewPoint at = view_point(ui, ui.stroke[i]);
-      words += fmt::format(" {:.5g} {:.5g}", at.x(), at.y());
-    }
-    issue_camera(ui, session.camera);  // what a loop holds depends on it
-    ui.issue("lasso{}", words);
-  } else if (session.tool == Tool::Edge) {
-    if (session.models[session.active_model]->selecting.reference.empty()) {
-      session.tell("select a region first; then drag its boundary");
-    } else if (live.from && live.to) {
-      ui.issue("drag-edge {} {}", words_of(*live.from), words_of(*live.to));
-    }
-  } else if (session.tool != Tool::Pose) {
-    std::size_t count = 0;
-    const std::string words = stroke_on_surface(ui, count);
-    if (count == 0) {
-      session.tell("that stroke was beside the model; begin on it");
-    } else if (session.tool == Tool::Cut) {
-      ui.issue("cut {}{}", io.KeyShift ? "add" : "new", words);
-    } else if (session.tool == Tool::Brush) {
-      ui.issue("brush {} {:.6g}{}", io.KeyShift ? "add" : io.KeyCtrl ? "background" : "new", brush_radius(ui), words);
-    }
+  const Points& points = gesture.points;
+  const bool beside = points.empty();
+  const auto miss = [&] { session.tell("that stroke was beside the model; begin on it"); };
+  switch (gesture.tool) {
+    case Tool::Click:
+      if (const auto found = session.pick(view_point(ui, ImGui::GetIO().MousePos)); found && found->face.valid())
+        ui.issue("click {}", found->face.index());
+      return;
+    case Tool::Spot:
+      if (const auto vertex = vertex_at(ui, ImGui::GetIO().MousePos))
+        ui.issue("similarity {} {}", kLikenesses[static_cast<std::size_t>(ui.like_by)], vertex->index());
+      return;
+    case Tool::Lasso: return lasso(ui);
+    case Tool::Edge:
+      if (session.models[session.active_model]->selecting.reference.empty())
+        return session.tell("select a region first; then drag its boundary");
+      if (points.size() > 1) ui.issue("drag-edge {} {}", words_of(points.front()), words_of(points.back()));
+      return;
+    case Tool::Cut: return beside ? miss() : ui.issue("cut {}{}", gesture.how, words_of(points));
+    case Tool::Brush:
+      return beside ? miss() : ui.issue("brush {} {:.6g}{}", gesture.how, brush_radius(ui), words_of(points));
+    case Tool::Look:
+    case Tool::Pose: return;
   }
 }
 
-void show(Model& model, std::vector<sdk::FaceId> faces) {
+void show(Model& model, Faces faces) {
   if (model.selecting.drawn == faces) return;
   model.selecting.drawn = std::move(faces);
   ++model.colour_revision;
 }
 
-/// A brush that has drawn the strokes before, where the new one goes on with them.
-void begin_brush(Ui& ui, const Model& model) {
-  const ImGuiIO& io = ImGui::GetIO();
-  const sdk::Surface& surface = model.mesh->surface;
-  live.brush.emplace(surface, brush_radius(ui));
-  live.kind = io.KeyCtrl && !io.KeyShift ? sdk::Brush::Background : sdk::Brush::Patch;
-  if ((!io.KeyShift && !io.KeyCtrl) || model.selecting.kind != Selecting::Kind::Patch) return;
-  const auto draw = [&](const auto& strokes, sdk::Brush kind) {
-    for (const auto& stroke : strokes) {
-      live.brush->lift();
-      for (const Eigen::Vector3d& point : stroke) live.brush->draw_to(surface.tree.closest(point), kind);
+Follower cut_follower(const Model& model, bool again) {
+  const auto before = again && model.selecting.kind == Selecting::Kind::Part ? model.selecting.cut : nullptr;
+  return [mesh = model.mesh, before, parts = std::shared_ptr<const sdk::PartModel>(),
+          cut = std::optional<sdk::PartCut>()](const Points& points, const sdk::Task& task) mutable {
+    if (!cut) {
+      auto made = mesh->parts(task);
+      if (!made) return sdk::Expected<Faces>(tl::unexpected(made.error()));
+      parts = std::move(*made);
+      cut.emplace(before ? sdk::PartCut(*before) : sdk::PartCut(*parts));
+      cut->begin_stroke();
     }
+    for (const Eigen::Vector3d& point : points) cut->add_point(mesh->surface.tree.closest(point));
+    return cut->faces();
   };
-  draw(model.selecting.strokes.strokes, sdk::Brush::Patch);
-  draw(model.selecting.strokes.background, sdk::Brush::Background);
-  live.brush->lift();
+}
+
+Follower brush_follower(const Model& model, double radius, bool again, sdk::Brush kind) {
+  const bool goes_on = again && model.selecting.kind == Selecting::Kind::Patch;
+  return [mesh = model.mesh, radius, kind, before = goes_on ? model.selecting.strokes : sdk::PatchStrokes(),
+          brush = std::optional<sdk::PatchBrush>()](const Points& points, const sdk::Task&) mutable {
+    const auto draw = [&](const Points& stroke, sdk::Brush as) {
+      for (const Eigen::Vector3d& point : stroke) brush->draw_to(mesh->surface.tree.closest(point), as);
+    };
+    if (!brush) {
+      brush.emplace(mesh->surface, radius);
+      for (const Points& stroke : before.strokes) draw(stroke, sdk::Brush::Patch), brush->lift();
+      for (const Points& stroke : before.background) draw(stroke, sdk::Brush::Background), brush->lift();
+    }
+    draw(points, kind);
+    return sdk::Expected<Faces>(brush->faces());
+  };
+}
+
+Follower edge_follower(const Model& model) {
+  return [mesh = model.mesh, reference = model.selecting.reference, from = std::optional<sdk::SurfacePoint>()](
+             const Points& points, const sdk::Task&) mutable {
+    const sdk::Surface& surface = mesh->surface;
+    const sdk::SurfacePoint to = surface.tree.closest(points.back());
+    if (!from) from = surface.tree.closest(points.front());
+    return sdk::Expected<Faces>(sdk::drag_boundary(surface, reference, boundary_drag(surface, *from, to, 0)));
+  };
+}
+
+/// What the tool in hand selects, if that is to be seen while it is drawn.
+std::optional<Follower> follower(Ui& ui, const Model& model) {
+  const ImGuiIO& io = ImGui::GetIO();
+  switch (ui.session.tool) {
+    case Tool::Cut: return cut_follower(model, io.KeyShift);
+    case Tool::Brush:
+      return brush_follower(model, brush_radius(ui), io.KeyShift || io.KeyCtrl,
+                            io.KeyCtrl && !io.KeyShift ? sdk::Brush::Background : sdk::Brush::Patch);
+    case Tool::Edge:
+      if (model.selecting.reference.empty()) return std::nullopt;
+      return edge_follower(model);
+    default: return std::nullopt;
+  }
+}
+
+/// Draws on to where the mouse is.
+void draw_on(Ui& ui, const ImVec2& mouse) {
+  ui.stroke.push_back(mouse);
+  const Tool tool = ui.gesture->tool;
+  if (tool != Tool::Cut && tool != Tool::Brush && tool != Tool::Edge) return;
+  const auto found = ui.session.pick(view_point(ui, mouse));
+  if (found && found->face.valid()) ui.gesture->points.push_back(found->point);
 }
 
 }  // namespace
 
 void begin_gesture(Ui& ui) {
   Session& session = ui.session;
+  const ImGuiIO& io = ImGui::GetIO();
   const std::shared_ptr<Model>& model = session.models[session.active_model];
+  if (!ui.gesture) ui.gesture = std::make_shared<Gesture>();
+  Gesture& gesture = *ui.gesture;
+  gesture.model = model;
+  gesture.tool = session.tool;
+  gesture.how = io.KeyShift ? "add" : io.KeyCtrl && session.tool == Tool::Brush ? "background" : "new";
+  gesture.points.clear();
+  gesture.followed = 0;
+  gesture.follower.reset();
+  if (model->mesh && !session.job.running())
+    if (auto made = follower(ui, *model)) gesture.follower = std::make_shared<const Follower>(std::move(*made));
   ui.stroke.clear();
-  live = {.model = model, .mesh = model->mesh};
-  if (model->mesh && !session.job.running()) {
-    if (session.tool == Tool::Brush) begin_brush(ui, *model);
-    if (session.tool == Tool::Edge) live.from = point_at(ui, ImGui::GetIO().MousePos);
-  }
-  continue_gesture(ui);
+  draw_on(ui, io.MousePos);
 }
 
 void continue_gesture(Ui& ui) {
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  ui.stroke.push_back(mouse);
-  const auto model = live.model.lock();
-  if (!model || model->mesh != live.mesh || (!live.brush && !live.from)) return;
-  const auto point = point_at(ui, mouse);
-  if (!point) return;
-  const sdk::Surface& surface = model->mesh->surface;
-  const sdk::SurfacePoint to = surface.tree.closest(*point);
-  if (live.brush) {
-    live.brush->draw_to(to, live.kind);
-    show(*model, live.brush->faces());
-  } else if (!model->selecting.reference.empty()) {
-    live.to = point;
-    if (surface.mesh.triangles.size() > kMostFacesDragged) return ui.session.tell("let go to see the new boundary");
-    const auto drag = boundary_drag(surface, surface.tree.closest(*live.from), to, 0);
-    show(*model, sdk::drag_boundary(surface, model->selecting.reference, drag));
-  }
+  const ImVec2 mouse = ImGui::GetIO().MousePos, last = ui.stroke.back();
+  if (std::hypot(mouse.x - last.x, mouse.y - last.y) >= ui.px(kStep)) draw_on(ui, mouse);
 }
 
 void end_gesture(Ui& ui) {
-  if (const auto model = live.model.lock()) show(*model, {});
-  end_tool_drag(ui);
-  live = {};
+  const ImVec2 mouse = ImGui::GetIO().MousePos, last = ui.stroke.back();
+  if (mouse.x != last.x || mouse.y != last.y) draw_on(ui, mouse);
+  ui.gesture->follower.reset();
+  ui.gesture->following.cancel();
+  issue_gesture(ui, *ui.gesture);
   ui.stroke.clear();
+}
+
+bool follow_gesture(Ui& ui) {
+  if (!ui.gesture) return false;
+  Gesture& gesture = *ui.gesture;
+  static_cast<void>(gesture.following.poll());
+  const auto model = gesture.model.lock();
+  if (!gesture.follower) {
+    // What it showed stays until the selection takes its place.
+    if (model && !ui.session.job.running()) show(*model, {});
+    return false;
+  }
+  if (gesture.following.running()) return true;
+  if (!model || gesture.followed == gesture.points.size()) return false;
+  const auto first = gesture.points.begin() + static_cast<std::ptrdiff_t>(gesture.followed);
+  gesture.followed = gesture.points.size();
+  gesture.following.start("following",
+                          [&gesture, model, follower = gesture.follower, points = Points(first, gesture.points.end())](
+                              const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                            auto faces = (*follower)(points, task);
+                            if (!faces) return tl::unexpected(faces.error());
+                            return Job::Apply([&gesture, model, follower, faces = std::move(*faces)] {
+                              if (gesture.follower == follower) show(*model, faces);
+                            });
+                          });
+  return true;
 }
 
 }  // namespace armature::viewer

@@ -131,6 +131,7 @@ void handle_keys(Ui& ui) {
 
 void handle_input(Ui& ui) {
   handle_mouse(ui);
+  ui.following = follow_gesture(ui);
   handle_keys(ui);
   if (ui.session.mode == Mode::Walk) walk_by_hand(ui);
 }

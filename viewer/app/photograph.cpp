@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -22,25 +23,34 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Draws the pictures of a turn as somebody sees them who turns the camera, and the one in which it stands still again.
+/// Draws the pictures of a turn as somebody sees them who turns the camera, and those in which it stands still again.
 sdk::Expected<void> time_turn(App& app, Session& session, int pictures, const PictureSize& size, GLuint framebuffer) {
-  std::vector<double> times;
-  bool rough = false;
-  for (int i = 0; i <= pictures; ++i) {
-    rough = app.rough();
-    if (i < pictures) session.camera.orbit(2 * std::numbers::pi / pictures, 0);
+  const auto timed = [&]() -> sdk::Expected<double> {
     ImGui_ImplOpenGL3_NewFrame();
     const auto start = Clock::now();
-    if (auto drawn = app.draw(size.width, size.height, framebuffer, false); !drawn) return drawn;
+    if (auto drawn = app.draw(size.width, size.height, framebuffer, false); !drawn)
+      return tl::unexpected(drawn.error());
     glFinish();
-    times.push_back(milliseconds_since(start));
+    return milliseconds_since(start);
+  };
+  std::vector<double> turning, standing;
+  for (int i = 0; i < pictures; ++i) {
+    session.camera.orbit(2 * std::numbers::pi / pictures, 0);
+    const auto took = timed();
+    if (!took) return tl::unexpected(took.error());
+    turning.push_back(*took);
   }
-  const double still = times.back();
-  times.resize(static_cast<std::size_t>(pictures));
-  std::ranges::sort(times);
+  while (app.rough()) {
+    const auto took = timed();
+    if (!took) return tl::unexpected(took.error());
+    standing.push_back(*took);
+  }
+  std::ranges::sort(turning);
   fmt::print("frame.turning_fastest_ms {:.1f}\nframe.turning_median_ms {:.1f}\nframe.turning_slowest_ms {:.1f}\n",
-             times.front(), times[times.size() / 2], times.back());
-  if (rough) fmt::print("frame.standing_ms {:.1f}\n", still);  // else no other was drawn
+             turning.front(), turning[turning.size() / 2], turning.back());
+  if (!standing.empty())
+    fmt::print("frame.standing_ms {:.1f}\nframe.standing_slowest_ms {:.1f}\n",
+               std::accumulate(standing.begin(), standing.end(), 0.0), std::ranges::max(standing));
   std::fflush(stdout);
   return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct Area {
   }
 };
 
+struct Gesture;
+
 /// What panels share: the session, which they read, and change by commands alone; and what only the window knows.
 struct Ui {
   Session& session;
@@ -29,12 +32,14 @@ struct Ui {
   ImTextureID depth = nullptr;  ///< the depth picture, once there is one
   float depth_aspect = 1;
 
-  Likeness like_by = Likeness::Gls;  ///< what the next spot is compared by
-  bool sidebar = true;               ///< Tab hides it; a small window has none
-  bool dialog = false;               ///< the file dialog is open
-  bool saving = false;               ///< to write instead of to open
-  bool log = false;                  ///< the list of commands is open
-  std::vector<ImVec2> stroke = {};   ///< what the mouse draws at the moment, in pixels
+  Likeness like_by = Likeness::Gls;            ///< what the next spot is compared by
+  bool sidebar = true;                         ///< Tab hides it; a small window has none
+  bool dialog = false;                         ///< the file dialog is open
+  bool saving = false;                         ///< to write instead of to open
+  bool log = false;                            ///< the list of commands is open
+  std::vector<ImVec2> stroke = {};             ///< what the mouse draws at the moment, in pixels
+  std::shared_ptr<Gesture> gesture = nullptr;  ///< what it does there; and whether that is still being found
+  bool following = false;
 
   /// Carries a command out; what fails is shown as the session's notice.
   template <class... Args>
@@ -73,6 +78,8 @@ void section(const char* title);
 /// A row of buttons of which one is chosen; the one that was clicked, or -1.
 int choice_row(const char* id, int chosen, const std::vector<const char*>& names);
 bool accent_button(const char* label, float width = 0);
+/// One that stands in a line of text.
+bool small_button(const char* label);
 void hint(const char* text);
 ///@}
 

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-
-#include "viewer/session/coarse_mesh.h"
-#include "viewer/session/maps.h"
+#include <limits>
 
 namespace armature::viewer {
 namespace {
 
-constexpr Palette kShapes = {.background_top = {250, 250, 249}, .background_bottom = {226, 229, 232}};
 constexpr Palette kCity = {.sphere = {126, 158, 104},
                            .edge = {126, 158, 104},
                            .inside = {196, 194, 190},
@@ -24,9 +21,10 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 sdk::Expected<ViewPainter> ViewPainter::create(const Options& options) {
-  auto painter = Painter::create();
-  if (!painter) return tl::unexpected(painter.error());
-  return ViewPainter(std::move(*painter), options);
+  auto quick = Painter::create(), careful = Painter::create();
+  if (!quick) return tl::unexpected(quick.error());
+  if (!careful) return tl::unexpected(careful.error());
+  return ViewPainter(std::move(*quick), std::move(*careful), options);
 }
 
 void ViewPainter::keep(Kept& kept, Key key, const Scene& scene) {
@@ -41,58 +39,18 @@ void ViewPainter::show(const Kept& kept) {
   shows_.push_back(kept.made);
 }
 
-void ViewPainter::gather_mesh(const Looks& looks, const std::shared_ptr<const Model>& held) {
-  const Model& model = *held;
-  const Key key{held, model.mesh_revision, static_cast<int>(looks.mesh), looks.wireframe};
-  const Colours wanted{model.colour_revision, looks.map};
-  const Layer layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid;
-  const bool is_new = mesh_.key != key || !mesh_.drawing;
-  if (is_new || colours_ != wanted) {
-    const auto colours = corner_colours(model, looks.map, kShapes.mesh);
-    if (is_new) {
-      MeshStyle style{.layer = layer, .wireframe = looks.wireframe, .colours = colours};
-      if (!model.posing) style.normals = model.editing.tried ? model.editing.tried->normals : model.mesh->normals;
-      Scene scene(model.around(), kShapes);
-      scene.add(model.shown_mesh(), style);
-      keep(mesh_, key, scene);
-      keep_coarse(model, layer, colours);
-    } else {
-      mesh_.drawing->recolour(layer, colours);
-      if (coarse_) coarse_->recolour(layer, coarse_colours(colours));
-      mesh_.made = ++made_;
-    }
-    colours_ = wanted;
-  }
-  show(mesh_);
-}
-
-/// Large meshes have a second drawing, of fewer faces.
-void ViewPainter::keep_coarse(const Model& model, Layer layer, std::span<const CornerColours> colours) {
-  coarse_.reset();
-  if (model.posing || model.shown_mesh().triangles.size() <= options_.most_fluent_faces) return;
-  CoarseMesh coarse = coarse_mesh(model.shown_mesh(), options_.coarse_cells);
-  coarse_source_ = std::move(coarse.source);
-  const auto its_colours = coarse_colours(colours);
-  Scene scene(model.around(), kShapes);
-  scene.add(coarse.mesh, {.layer = layer, .colours = its_colours});
-  coarse_.emplace(scene);
-}
-
-std::vector<ViewPainter::CornerColours> ViewPainter::coarse_colours(std::span<const CornerColours> colours) const {
-  std::vector<CornerColours> result;
-  result.reserve(coarse_source_.size());
-  for (const sdk::FaceId face : coarse_source_) result.push_back(colours[face.index()]);
-  return result;
-}
-
-void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held) {
+void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once) {
   const Model& model = *held;
   const sdk::Sphere frame = model.around();
-  if (model.mesh && looks.mesh != MeshLook::Off) gather_mesh(looks, held);
+  if (model.mesh && looks.mesh != MeshLook::Off) {
+    mesh_->follow(held, looks, at_once);
+    if (mesh_->fine() != nullptr) drawings_.push_back(mesh_->fine());
+    shows_.push_back(-static_cast<double>(mesh_->changes()));
+  }
   if (model.spheres && looks.spheres != SpheresLook::Off) {
-    const Key key{held, model.spheres_revision, static_cast<int>(looks.spheres), false};
+    const Key key{held, model.spheres_revision, static_cast<int>(looks.spheres)};
     if (spheres_.key != key || !spheres_.drawing) {
-      Scene scene(frame, kShapes);
+      Scene scene(frame, kShapePalette);
       scene.add(model.spheres->shape,
                 {.shape = looks.spheres == SpheresLook::Surface ? SphereMeshStyle::Shape::Surface
                                                                 : SphereMeshStyle::Shape::Structure});
@@ -131,10 +89,10 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   if (walks) {
     gather_city(session.walk);
   } else {
-    if (model) gather_shapes(session.looks, model);
+    if (model) gather_shapes(session.looks, model, careful);
   }
   if (drawings_.empty()) {
-    if (!nothing_.drawing) keep(nothing_, {}, Scene({Eigen::Vector3d::Zero(), 1}, kShapes));
+    if (!nothing_.drawing) keep(nothing_, {}, Scene({Eigen::Vector3d::Zero(), 1}, kShapePalette));
     show(nothing_);
   }
   const Camera camera =
@@ -144,24 +102,46 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   shows_.insert(shows_.end(),
                 {camera.half_width, camera.half_height, camera.near, camera.far, static_cast<double>(width),
                  static_cast<double>(height), session.looks.matcap ? 1.0 : 0.0});
-  const bool moved = shows_ != shown_;
-  if (!moved && !rough_) return {};
+  if (shows_ != shown_) {
+    std::swap(shown_, shows_);
+    rough_ = true;
+    spent_ms_ = 0;
+    if (auto begun = careful_.begin(drawings_, camera, width, height,
+                                    {.samples_a_side = careful ? 0 : 2, .obscurance = !session.looks.matcap});
+        !begun)
+      return begun;
+    if (!careful && careful_ms_ <= options_.fluent_ms) {
+      go_on(options_.fluent_ms);
+      careful_ms_ = spent_ms_;
+    }
+    if (rough_ && !careful) return paint_quickly(camera, width, height);
+  }
   // Once nothing moves there is time for care.
-  const bool roughly = moved && !careful && careful_ms_ > options_.fluent_ms;
-  if (roughly && coarse_ && mesh_.drawing)
-    std::ranges::replace(drawings_, static_cast<const Drawing*>(&*mesh_.drawing), &*coarse_);
-  const auto start = std::chrono::steady_clock::now();
-  const PaintOptions options{.samples_a_side = roughly   ? 1
-                                               : careful ? 0
-                                                         : 2,
-                             .obscurance = !roughly && !session.looks.matcap};
-  if (auto painted = painter_.paint(drawings_, camera, width, height, options); !painted) return painted;
-  glFinish();
-  ++painted_;
-  if (!roughly) careful_ms_ = milliseconds_since(start);
-  rough_ = roughly;
-  std::swap(shown_, shows_);
+  if (rough_) go_on(careful ? std::numeric_limits<double>::infinity() : options_.patience_ms);
   return {};
+}
+
+/// With few samples, without dark corners, a large mesh coarser.
+sdk::Expected<void> ViewPainter::paint_quickly(const Camera& camera, int width, int height) {
+  if (mesh_->coarse() != nullptr) std::ranges::replace(drawings_, mesh_->fine(), mesh_->coarse());
+  ++painted_;
+  auto painted = quick_.paint(drawings_, camera, width, height, {.samples_a_side = 1, .obscurance = false});
+  glFinish();
+  return painted;
+}
+
+/// Paints bits of the careful picture, one at least, for about so long.
+void ViewPainter::go_on(double budget_ms) {
+  const auto start = std::chrono::steady_clock::now();
+  while (rough_) {
+    rough_ = !careful_.go_on();
+    glFinish();
+    if (milliseconds_since(start) > budget_ms) break;
+  }
+  spent_ms_ += milliseconds_since(start);
+  if (rough_) return;
+  careful_ms_ = spent_ms_;
+  ++painted_;
 }
 
 }  // namespace armature::viewer

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "viewer/app/mesh_drawing.h"
 #include "viewer/render/painter.h"
 #include "viewer/session/session.h"
 
@@ -14,7 +15,8 @@ namespace armature::viewer {
 class ViewPainter {
  public:
   struct Options {
-    double fluent_ms = 25;                    ///< a careful picture that takes longer is left for when nothing moves
+    double fluent_ms = 25;                    ///< a careful picture that takes longer is left for when nothing moves,
+    double patience_ms = 30;                  ///< and then painted in bits of about so long
     std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
     std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
   };
@@ -31,11 +33,13 @@ class ViewPainter {
   [[nodiscard]] sdk::Expected<void> paint(const Session& session, const std::shared_ptr<const Model>& model, int width,
                                           int height, bool careful);
   /// The framebuffer that holds it.
-  [[nodiscard]] GLuint picture() const noexcept { return painter_.framebuffer(); }
+  [[nodiscard]] GLuint picture() const noexcept { return (rough_ ? quick_ : careful_).framebuffer(); }
   /// How many pictures it has painted.
   [[nodiscard]] std::size_t painted() const noexcept { return painted_; }
-  /// Whether the picture is rougher than it could be and should be painted again soon.
-  [[nodiscard]] bool rough() const noexcept { return rough_; }
+  /// Whether the picture is rougher or older than it could be and should be painted again soon.
+  [[nodiscard]] bool rough() const noexcept { return rough_ || mesh_->making(); }
+  /// Whether that is all there is to do until something that is made in the background is there.
+  [[nodiscard]] bool awaits() const noexcept { return !rough_ && mesh_->making(); }
 
  private:
   /// What a drawing was made from; another one is made where it differs.
@@ -43,14 +47,7 @@ class ViewPainter {
     std::shared_ptr<const void> model = nullptr;  // held, so that no other takes its place
     std::uint64_t revision = 0;
     int look = 0;
-    bool wireframe = false;
     friend bool operator==(const Key&, const Key&) = default;
-  };
-  /// The same of the mesh's colours.
-  struct Colours {
-    std::uint64_t revision = 0;
-    MapKind map = MapKind::None;
-    friend bool operator==(const Colours&, const Colours&) = default;
   };
   struct Kept {
     Key key = {};
@@ -58,29 +55,29 @@ class ViewPainter {
     double made = 0;  // the how-manyth drawing it is
   };
 
-  ViewPainter(Painter painter, const Options& options) : options_(options), painter_(std::move(painter)) {}
+  ViewPainter(Painter quick, Painter careful, const Options& options)
+      : options_(options),
+        quick_(std::move(quick)),
+        careful_(std::move(careful)),
+        mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)) {}
   void keep(Kept& kept, Key key, const Scene& scene);
   void show(const Kept& kept);
-  using CornerColours = std::array<sdk::Colour, 3>;
-  void gather_mesh(const Looks& looks, const std::shared_ptr<const Model>& held);
-  void keep_coarse(const Model& model, Layer layer, std::span<const CornerColours> colours);
-  [[nodiscard]] std::vector<CornerColours> coarse_colours(std::span<const CornerColours> colours) const;
-  void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held);
+  void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once);
   void gather_city(const Walk& walk);
+  [[nodiscard]] sdk::Expected<void> paint_quickly(const Camera& camera, int width, int height);
+  void go_on(double budget_ms);
 
   Options options_;
-  Painter painter_;
-  Kept mesh_, spheres_, city_, ribbon_, nothing_;
-  Colours colours_;                         // of mesh_
-  std::optional<Drawing> coarse_;           // of a large mesh_, to draw while something moves
-  std::vector<sdk::FaceId> coarse_source_;  // by face of that: which face of the mesh it was
+  Painter quick_, careful_;
+  std::unique_ptr<MeshDrawing> mesh_;
+  Kept spheres_, city_, ribbon_, nothing_;
   double made_ = 0;
   std::vector<const Drawing*> drawings_;
   // What the picture is to show and shows: which drawings, from where.
   std::vector<double> shows_, shown_;
-  bool rough_ = false;
+  bool rough_ = false;  // the careful picture is not done
   std::size_t painted_ = 0;
-  double careful_ms_ = 0;  // the last careful picture took
+  double careful_ms_ = 0, spent_ms_ = 0;  // what the last careful picture took, and this one so far
 };
 
 }  // namespace armature::viewer

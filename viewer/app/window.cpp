@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -41,11 +42,8 @@ struct Window {
   std::unique_ptr<App> app;
 };
 
-/// Files that are dropped are opened one after another, those that can be.
 void on_drop(GLFWwindow* window, int count, const char** paths) {
-  std::vector<std::string> lines;
-  for (int i = 0; i < count; ++i) lines.push_back("try open " + as_word(paths[i]));
-  static_cast<Script*>(glfwGetWindowUserPointer(window))->append(Script(std::move(lines)));
+  for (int i = 0; i < count; ++i) static_cast<Playlist*>(glfwGetWindowUserPointer(window))->drop(paths[i]);
 }
 
 }  // namespace
@@ -71,43 +69,38 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   float scale = options.scale;
   if (!(scale > 0)) glfwGetWindowContentScale(w.window, &scale, nullptr);
   w.imgui = ImGui::CreateContext();
-  glfwSetWindowUserPointer(w.window, &script);
+  Playlist playlist(std::move(script));
+  glfwSetWindowUserPointer(w.window, &playlist);
   glfwSetDropCallback(w.window, on_drop);
   w.backend = ImGui_ImplGlfw_InitForOpenGL(w.window, true);
   auto app = App::create(session, scale);
   if (!app) return tl::unexpected(app.error());
   w.app = std::move(*app);
 
-  bool playing = !script.done(session);
   while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit && !interrupted()) {
-    // Nothing moves: wait for somebody to do something, or for a moment.
-    if (w.app->calm() && script.done(session)) {
-      glfwWaitEventsTimeout(0.1);
+    // Nothing moves: wait for somebody to do something, or for a moment. A short one where something goes on in the
+    // background, which needs the processor more.
+    if (w.app->calm() && playlist.done(session)) {
+      glfwWaitEventsTimeout(w.app->awaits() ? 1.0 / 60 : 0.1);
     } else {
       glfwPollEvents();
     }
+    const auto begun = std::chrono::steady_clock::now();
     session.update(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * glfwGetTime())));
-    if (!playing) {
-      session.failed = false;  // what somebody did by hand has been told
-    } else if (auto stepped = script.step(session); !stepped) {
-      session.tell(stepped.error().message, true);
-      script = Script();
-      session.failed = false;
-    }
-    playing = !script.done(session);
+    playlist.step(session);
     int width = 0, height = 0;
     glfwGetFramebufferSize(w.window, &width, &height);
     if (width < 16 || height < 16) continue;  // minimised
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
+    session.longest_frame = std::max<Session::Time>(session.longest_frame, std::chrono::steady_clock::now() - begun);
     glfwSwapBuffers(w.window);
     if (session.picture) {
       const PictureRequest request = *std::exchange(session.picture, std::nullopt);
       const auto taken = photograph(*w.app, session, request, request.size.value_or(PictureSize{width, height}));
       if (!taken) session.tell(taken.error().message, true);
     }
-    if (!script.done(session)) session.failed = session.failed && !session.forgiving;
   }
   return {};
 }

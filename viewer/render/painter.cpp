@@ -21,6 +21,11 @@ constexpr double kMostSamples = 32e6;
 /// How far obscurance reaches, in radii of the scene.
 constexpr double kObscuranceReach = 0.35;
 constexpr float kLineWidthPx = 0.8F;
+///@{
+/// What is done at once.
+constexpr GLsizei kCornersAStep = 3 * 65'536;
+constexpr GLsizei kSamplesAStep = 1 << 18;
+///@}
 
 /// As many samples a side of a pixel as a picture of that size affords.
 int samples_a_side(int width, int height) {
@@ -84,20 +89,65 @@ sdk::Expected<Painter> Painter::create() {
 
 sdk::Expected<void> Painter::paint(std::span<const Drawing* const> drawings, const Camera& camera, int width,
                                    int height, const PaintOptions& options) {
+  if (auto begun = begin(drawings, camera, width, height, options); !begun) return begun;
+  while (!go_on()) {
+  }
+  return {};
+}
+
+sdk::Expected<void> Painter::begin(std::span<const Drawing* const> drawings, const Camera& camera, int width,
+                                   int height, const PaintOptions& options) {
+  steps_.clear();
+  done_ = 0;
   const int samples = options.samples_a_side > 0 ? options.samples_a_side : samples_a_side(width, height);
   if (auto sized = resize(width, height, samples); !sized) return sized;
-  glDisable(GL_SCISSOR_TEST);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glViewport(0, 0, width * samples_, height * samples_);
-  draw_layer(drawings, Layer::Solid, camera);
-  light_layer(*drawings.front(), Layer::Solid, camera, options);
+  camera_ = camera;
+  obscurance_ = options.obscurance;
+  plan_layer(drawings, Layer::Solid);
   const auto has_glass = [](const Drawing* drawing) { return !drawing->content(Layer::Glass).empty(); };
-  if (std::any_of(drawings.begin(), drawings.end(), has_glass)) {
-    draw_layer(drawings, Layer::Glass, camera);
-    light_layer(*drawings.front(), Layer::Glass, camera, options);
-  }
-  resolve();
+  if (std::any_of(drawings.begin(), drawings.end(), has_glass)) plan_layer(drawings, Layer::Glass);
+  steps_.push_back({.kind = Step::Kind::Resolve});
   return {};
+}
+
+bool Painter::go_on() {
+  if (done_ < steps_.size()) take(steps_[done_++]);
+  return done_ == steps_.size();
+}
+
+/// What is drawn of a layer, then the light on it.
+void Painter::plan_layer(std::span<const Drawing* const> drawings, Layer layer) {
+  using Kind = Step::Kind;
+  steps_.push_back({.kind = Kind::Clear, .layer = layer});
+  for (const Drawing* drawing : drawings) {
+    const Drawing::Content& content = drawing->content(layer);
+    const GLsizei corners = content.corners.count();
+    for (GLint first = 0; first < corners; first += kCornersAStep)
+      steps_.push_back({Kind::Corners, layer, drawing, first, std::min(kCornersAStep, corners - first)});
+    if (content.balls.count() > 0) steps_.push_back({Kind::Balls, layer, drawing});
+    if (content.cones.count() > 0) steps_.push_back({Kind::Cones, layer, drawing});
+  }
+  const GLsizei rows = height_ * samples_;
+  const GLsizei rows_a_step = std::max(1, kSamplesAStep / (width_ * samples_));
+  for (GLint first = 0; first < rows; first += rows_a_step)
+    steps_.push_back({Kind::Light, layer, drawings.front(), first, std::min(rows_a_step, rows - first)});
+}
+
+void Painter::take(const Step& step) {
+  // Whoever drew in between has left things as he liked.
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glViewport(0, 0, width_ * samples_, height_ * samples_);
+  switch (step.kind) {
+    case Step::Kind::Clear: return clear(step.layer);
+    case Step::Kind::Corners:
+    case Step::Kind::Balls:
+    case Step::Kind::Cones: return draw(step);
+    case Step::Kind::Light: return light(step);
+    case Step::Kind::Resolve: return resolve();
+  }
 }
 
 sdk::Expected<void> Painter::resize(int width, int height, int samples) {
@@ -134,67 +184,73 @@ sdk::Expected<void> Painter::resize(int width, int height, int samples) {
   return {};
 }
 
-void Painter::draw_layer(std::span<const Drawing* const> drawings, Layer layer, const Camera& camera) {
+void Painter::clear(Layer layer) {
   glBindFramebuffer(GL_FRAMEBUFFER, surfaces_[static_cast<std::size_t>(layer)].get());
-  glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
-  glDepthFunc(GL_LESS);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
   glClearColor(0, 0, 0, 0);
   glClearDepth(1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  for (const Drawing* drawing : drawings) {
-    const View view(camera, drawing->frame());
-    const Drawing::Content& content = drawing->content(layer);
-    if (content.corners.count() > 0) {
-      use(triangles_, view);
-      set("line_colour", unit(drawing->palette().line));
-      set("inside_colour", unit(drawing->palette().inside));
-      set("line_width", kLineWidthPx * static_cast<float>(samples_));
-      content.corners.bind();
-      glDrawArrays(GL_TRIANGLES, 0, content.corners.count());
-    }
-    if (content.balls.count() > 0) {
-      use(balls_, view);
-      content.balls.bind();
-      glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, content.balls.count());
-    }
-    if (content.cones.count() > 0) {
-      use(cones_, view);
-      content.cones.bind();
-      // A box's far side alone: each of its pixels once.
-      glEnable(GL_CULL_FACE);
-      glFrontFace(GL_CCW);
-      glCullFace(GL_FRONT);
-      glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, content.cones.count());
-      glDisable(GL_CULL_FACE);
-    }
+}
+
+void Painter::draw(const Step& step) {
+  glBindFramebuffer(GL_FRAMEBUFFER, surfaces_[static_cast<std::size_t>(step.layer)].get());
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  const Drawing& drawing = *step.drawing;
+  const View view(camera_, drawing.frame());
+  const Drawing::Content& content = drawing.content(step.layer);
+  if (step.kind == Step::Kind::Corners) {
+    use(triangles_, view);
+    set("line_colour", unit(drawing.palette().line));
+    set("inside_colour", unit(drawing.palette().inside));
+    set("line_width", kLineWidthPx * static_cast<float>(samples_));
+    content.corners.bind();
+    glDrawArrays(GL_TRIANGLES, step.first, step.count);
+  } else if (step.kind == Step::Kind::Balls) {
+    use(balls_, view);
+    content.balls.bind();
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, content.balls.count());
+  } else {
+    use(cones_, view);
+    content.cones.bind();
+    // A box's far side alone: each of its pixels once.
+    glEnable(GL_CULL_FACE);
+    glFrontFace(GL_CCW);
+    glCullFace(GL_FRONT);
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, content.cones.count());
+    glDisable(GL_CULL_FACE);
   }
 }
 
-void Painter::light_layer(const Drawing& first, Layer layer, const Camera& camera, const PaintOptions& options) {
-  const View view(camera, first.frame());
+/// A strip of the picture.
+void Painter::light(const Step& step) {
+  const Palette& palette = step.drawing->palette();
+  const View view(camera_, step.drawing->frame());
+  const bool glass = step.layer == Layer::Glass;
   glBindFramebuffer(GL_FRAMEBUFFER, lights_.get());
   glDisable(GL_DEPTH_TEST);
-  if (layer == Layer::Glass) {
+  if (glass) {
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   }
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, step.first, width_ * samples_, step.count);
   use(light_);
   set_texture("albedo_map", 0, albedo_);
   set_texture("normal_map", 1, normal_);
-  set_texture("depth_map", 2, depth_[static_cast<std::size_t>(layer)]);
+  set_texture("depth_map", 2, depth_[static_cast<std::size_t>(step.layer)]);
   set_texture("solid_depth_map", 3, depth_[static_cast<std::size_t>(Layer::Solid)]);
-  glUniform1i(place("glass"), layer == Layer::Glass ? 1 : 0);
-  glUniform1i(place("obscurance"), options.obscurance ? 1 : 0);
-  glUniform2f(place("tangents"), static_cast<float>(camera.half_width), static_cast<float>(camera.half_height));
+  glUniform1i(place("glass"), glass ? 1 : 0);
+  glUniform1i(place("obscurance"), obscurance_ ? 1 : 0);
+  glUniform2f(place("tangents"), static_cast<float>(camera_.half_width), static_cast<float>(camera_.half_height));
   glUniform2f(place("depth_of_clip"), view.depth_of_clip[0], view.depth_of_clip[1]);
   set("reach", static_cast<float>(kObscuranceReach) * view.scale);
-  set("background_top", unit(first.palette().background_top));
-  set("background_bottom", unit(first.palette().background_bottom));
+  set("background_top", unit(palette.background_top));
+  set("background_bottom", unit(palette.background_bottom));
   draw_whole_picture();
+  glDisable(GL_SCISSOR_TEST);
 }
 
 void Painter::resolve() {

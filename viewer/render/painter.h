@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include <armature/sdk/error.h>
 
@@ -31,6 +32,15 @@ class Painter {
                                           int height, const PaintOptions& options = {});
 
   ///@{
+  /// The same bit by bit, for a caller with something else to do in between: begins, and goes on until `go_on()` says
+  /// that the picture is done. Until then the drawings must stay, and the picture before it is still there unless that
+  /// had another size. A bit is so small that Mesa's software driver does it in a few hundredths of a second.
+  [[nodiscard]] sdk::Expected<void> begin(std::span<const Drawing* const> drawings, const Camera& camera, int width,
+                                          int height, const PaintOptions& options);
+  bool go_on();
+  ///@}
+
+  ///@{
   /// Where the last picture is: sRGB bytes, the lowest row first.
   [[nodiscard]] GLuint framebuffer() const noexcept { return pixels_.get(); }
   [[nodiscard]] GLuint texture() const noexcept { return picture_.get(); }
@@ -38,10 +48,22 @@ class Painter {
 
  private:
   struct View;  // the camera as the card takes it, for one drawing
+  /// A bit of a picture.
+  struct Step {
+    enum class Kind : std::uint8_t { Clear, Corners, Balls, Cones, Light, Resolve };
+    Kind kind = Kind::Clear;
+    Layer layer = Layer::Solid;
+    const Drawing* drawing = nullptr;  // for light, the first one
+    GLint first = 0;                   // corner, or row of samples,
+    GLsizei count = 0;                 // and how many
+  };
   Painter() = default;
   sdk::Expected<void> resize(int width, int height, int samples);
-  void draw_layer(std::span<const Drawing* const> drawings, Layer layer, const Camera& camera);
-  void light_layer(const Drawing& first, Layer layer, const Camera& camera, const PaintOptions& options);
+  void plan_layer(std::span<const Drawing* const> drawings, Layer layer);
+  void take(const Step& step);
+  void clear(Layer layer);
+  void draw(const Step& step);
+  void light(const Step& step);
   void resolve();
   void draw_whole_picture() const;
   void use(const GlProgram& program);
@@ -53,6 +75,10 @@ class Painter {
 
   GlProgram triangles_, balls_, cones_, light_, resolve_;
   GLuint program_ = 0;  // the one in use
+  std::vector<Step> steps_;
+  std::size_t done_ = 0;  // how many of them
+  Camera camera_;
+  bool obscurance_ = true;
   GlVertexArray no_input_;
   int width_ = 0, height_ = 0, samples_ = 1;
   GlTexture albedo_, normal_, lit_, picture_;

@@ -15,7 +15,7 @@
 
 namespace armature::viewer {
 
-struct MeshShape;
+class MeshShape;
 
 /// By what vertices are compared: growing least squares, heat and wave kernel signatures, patch shape contexts.
 enum class Likeness : std::uint8_t { Gls, Hks, Wks, Psc };

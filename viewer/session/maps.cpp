@@ -71,9 +71,9 @@ sdk::Expected<std::vector<float>> compute_map(const MeshShape& shape, MapKind ki
     return spread(values);
   }
   if (kind == MapKind::Protrusion) {
-    const auto model = sdk::PartModel::build(shape.surface, task);
+    const auto model = shape.parts(task);
     if (!model) return tl::unexpected(model.error());
-    const Eigen::VectorXd& factor = model->conformal_factor();
+    const Eigen::VectorXd& factor = (*model)->conformal_factor();
     return spread({factor.begin(), factor.end()});
   }
   const auto ball = sdk::patch_ball(shape.surface, reference);
@@ -83,38 +83,46 @@ sdk::Expected<std::vector<float>> compute_map(const MeshShape& shape, MapKind ki
   return contexts->similarity_to(contexts->of(ball->centre), task);
 }
 
-std::vector<std::array<sdk::Colour, 3>> corner_colours(const Model& model, MapKind map, const sdk::Colour& plain) {
-  const sdk::Mesh& mesh = model.shown_mesh();
+MeshPaint paint_of(const Model& model, MapKind map) {
+  const Selecting& selecting = model.selecting;
+  MeshPaint paint{.map = map, .selected = selecting.selection.faces(), .drawn = selecting.drawn};
+  if (map != MapKind::None) {
+    paint.values = model.values;
+  } else if (selecting.expansion) {
+    const auto shown = selecting.expansion->first(selecting.shown);
+    paint.like.assign(shown.begin(), shown.end());
+  }
+  return paint;
+}
+
+std::vector<std::array<sdk::Colour, 3>> corner_colours(const sdk::Mesh& mesh, const sdk::Adjacency& adjacency,
+                                                       const MeshPaint& paint, const sdk::Colour& plain) {
   std::vector<std::array<sdk::Colour, 3>> colours(mesh.triangles.size(), {plain, plain, plain});
-  if (map == MapKind::Components) {
-    const auto components = sdk::find_components(mesh, model.mesh->surface.adjacency, sdk::LinkedBy::Edges);
+  if (paint.map == MapKind::Components) {
+    const auto components = sdk::find_components(mesh, adjacency, sdk::LinkedBy::Edges);
     for (std::size_t f = 0; f < colours.size(); ++f)
       if (components.of_face[f] != sdk::Components::kNone) colours[f].fill(component_colour(components.of_face[f]));
-  } else if (map != MapKind::None && !model.values.empty()) {
+  } else if (!paint.values.empty()) {
     for (std::size_t f = 0; f < colours.size(); ++f)
-      for (std::size_t k = 0; k < 3; ++k) colours[f][k] = ramp(model.values[mesh.triangles[f][k].index()]);
+      for (std::size_t k = 0; k < 3; ++k) colours[f][k] = ramp(paint.values[mesh.triangles[f][k].index()]);
   } else if (!mesh.face_colours.empty()) {
     for (std::size_t f = 0; f < colours.size(); ++f) colours[f].fill(mesh.face_colours[f]);
   } else if (!mesh.vertex_colours.empty()) {
     for (std::size_t f = 0; f < colours.size(); ++f)
       for (std::size_t k = 0; k < 3; ++k) colours[f][k] = mesh.vertex_colours[mesh.triangles[f][k].index()];
   }
-  const auto paint = [&](sdk::FaceId face, const sdk::Colour& colour, double strength) {
+  const auto tint = [&](sdk::FaceId face, const sdk::Colour& colour, double strength) {
     for (sdk::Colour& corner : colours[face.index()]) corner = mixed(corner, colour, strength);
   };
-  const Selecting& selecting = model.selecting;
-  if (selecting.expansion && selecting.shown > 0 && map == MapKind::None) {
-    // The less alike, the paler: the scores of what is shown spread from faint to full.
-    const auto shown = selecting.expansion->first(selecting.shown);
-    for (const sdk::Match& match : shown) {
-      const double strength = 0.3 + 0.65 * std::clamp((match.score - 0.5) / 0.5, 0.0, 1.0);
-      for (const sdk::FaceId face : match.faces) paint(face, kLike, strength);
-    }
+  // The less alike, the paler: the scores of what is shown spread from faint to full.
+  for (const sdk::Match& match : paint.like) {
+    const double strength = 0.3 + 0.65 * std::clamp((match.score - 0.5) / 0.5, 0.0, 1.0);
+    for (const sdk::FaceId face : match.faces) tint(face, kLike, strength);
   }
   // Over a map it is but a tint: both are to be seen.
-  const double strength = map == MapKind::None ? 0.9 : 0.35;
-  for (const sdk::FaceId face : selecting.selection.faces()) paint(face, kSelected, strength);
-  for (const sdk::FaceId face : selecting.drawn) paint(face, kDrawn, 0.8);
+  const double strength = paint.map == MapKind::None ? 0.9 : 0.35;
+  for (const sdk::FaceId face : paint.selected) tint(face, kSelected, strength);
+  for (const sdk::FaceId face : paint.drawn) tint(face, kDrawn, 0.8);
   return colours;
 }
 

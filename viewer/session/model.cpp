@@ -52,6 +52,15 @@ MeshShape::MeshShape(sdk::Mesh of)
       around(sphere_around(mesh)),
       normals(corner_normals(mesh, MeshStyle().crease_rad)) {}
 
+sdk::Expected<std::shared_ptr<const sdk::PartModel>> MeshShape::parts(const sdk::Task& task) const {
+  return parts_.get(task, [this](const sdk::Task& t) { return sdk::PartModel::build(surface, t); });
+}
+
+sdk::Expected<std::shared_ptr<const sdk::ComponentIndex>> MeshShape::components(const sdk::Task& task) const {
+  return components_.get(task,
+                         [this](const sdk::Task& t) { return sdk::ComponentIndex::build(mesh, surface.adjacency, t); });
+}
+
 sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfacePoint& from, const sdk::SurfacePoint& to,
                                 double snap) {
   const double way = (to.point - from.point).norm();

@@ -23,16 +23,28 @@
 #include <armature/sdk/spheremesh/sphere_mesh.h>
 
 #include "viewer/session/editing.h"
+#include "viewer/session/made_once.h"
 
 namespace armature::viewer {
 
 /// A mesh with what picking and tools look at. Immutable; jobs may share it.
-struct MeshShape {
+class MeshShape {
+ public:
   explicit MeshShape(sdk::Mesh of);
+  ///@{
+  /// What cutting and clicking look at; takes long when it is first asked for. Thread-safe. It must not outlive this.
+  [[nodiscard]] sdk::Expected<std::shared_ptr<const sdk::PartModel>> parts(const sdk::Task& task) const;
+  [[nodiscard]] sdk::Expected<std::shared_ptr<const sdk::ComponentIndex>> components(const sdk::Task& task) const;
+  ///@}
+
   const sdk::Mesh mesh;
   const sdk::Surface surface;
   const sdk::Sphere around;                                   ///< holds it
   const std::vector<std::array<Eigen::Vector3d, 3>> normals;  ///< to shade its corners with, by FaceId
+
+ private:
+  mutable MadeOnce<sdk::PartModel> parts_;
+  mutable MadeOnce<sdk::ComponentIndex> components_;
 };
 
 /// A sphere-mesh, or the level that is shown of a hierarchy.
@@ -51,15 +63,15 @@ struct SphereShape {
 struct Selecting {
   enum class Kind : std::uint8_t { None, Component, Part, Patch, Lasso };
   sdk::Selection selection;
-  Kind kind = Kind::None;                           ///< of the last gesture
-  std::vector<sdk::FaceId> reference;               ///< its faces, ascending
-  std::optional<sdk::Expansion> expansion;          ///< what is like it, once it was looked for
-  std::size_t shown = 0;                            ///< the best matches that are shown
-  std::vector<sdk::FaceId> drawn;                   ///< what the gesture that goes on would select; no command knows it
-  std::shared_ptr<const sdk::PartModel> parts;      ///< made with the first cut
-  std::shared_ptr<sdk::PartCut> cut;                ///< whose strokes go on
-  sdk::PatchStrokes strokes;                        ///< of the patch that is brushed
-  std::shared_ptr<sdk::ComponentIndex> components;  ///< made with the first click
+  std::size_t pieces = 0;                       ///< that it is in
+  Kind kind = Kind::None;                       ///< of the last gesture
+  std::vector<sdk::FaceId> reference;           ///< its faces, ascending
+  std::optional<sdk::Expansion> expansion;      ///< what is like it, once it was looked for
+  std::size_t shown = 0;                        ///< the best matches that are shown
+  std::vector<sdk::FaceId> drawn;               ///< what the gesture that goes on would select; no command knows it
+  std::shared_ptr<const sdk::PartModel> parts;  ///< of the cut
+  std::shared_ptr<const sdk::PartCut> cut;      ///< whose strokes go on
+  sdk::PatchStrokes strokes;                    ///< of the patch that is brushed
 };
 
 /// A drag of a boundary as tools make it: half as far again as the way that it goes moves along, and a little more.

@@ -52,6 +52,7 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
   }
   const Selecting& selecting = model.selecting;
   facts["selected"] = std::to_string(selecting.selection.faces().size());
+  facts["pieces"] = std::to_string(selecting.pieces);
   facts["reference"] = std::to_string(selecting.reference.size());
   facts["found"] = std::to_string(selecting.expansion ? selecting.expansion->size() : 0);
   facts["shown"] = std::to_string(selecting.shown);
@@ -100,6 +101,8 @@ std::map<std::string, std::string> Session::report() const {
   facts["mesh"] = kMeshLooks[static_cast<std::size_t>(looks.mesh)];
   facts["tool"] = kTools[static_cast<std::size_t>(tool)];
   facts["models"] = std::to_string(models.size());
+  if (longest_frame.count() > 0)
+    facts["frame.longest_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_frame.count()));
   facts["notice"] = notice;
   facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
   facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);

@@ -38,4 +38,20 @@ sdk::Expected<void> Script::step(Session& session) {
   return {};
 }
 
+void Playlist::drop(const std::string& file) {
+  dropped_.append(Script({"try open " + as_word(file)}));
+}
+
+void Playlist::step(Session& session) {
+  if (!script_.done(session)) {
+    const auto stepped = script_.step(session);
+    if (stepped) return;
+    session.tell(stepped.error().message, true);
+    script_ = Script();
+  }
+  // What somebody does by hand has been told where it failed.
+  session.failed = session.forgiving = false;
+  if (!dropped_.done(session)) static_cast<void>(dropped_.step(session));
+}
+
 }  // namespace armature::viewer

@@ -38,4 +38,22 @@ class Script {
   std::size_t next_ = 0;
 };
 
+/// What a window plays: its script, and then what is dropped onto it, one after another, whatever becomes of other
+/// things that are done meanwhile.
+class Playlist {
+ public:
+  explicit Playlist(Script script) : script_(std::move(script)) {}
+  /// Opens a file when its turn has come.
+  void drop(const std::string& file);
+  /// Carries out what can be now. Call it once a frame, after `session.update()`. A script that fails ends, and the
+  /// session tells why.
+  void step(Session& session);
+  [[nodiscard]] bool done(const Session& session) const noexcept {
+    return script_.done(session) && dropped_.done(session);
+  }
+
+ private:
+  Script script_, dropped_;
+};
+
 }  // namespace armature::viewer

@@ -104,6 +104,7 @@ void Session::update(Time time) {
   if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);
   if (!notice_is_error && now - notice_since > kNoticeStays) notice.clear();
   measure_level();
+  prepare_tool();
   if (waiting && !job.running() && waiting()) waiting = nullptr;
 }
 
@@ -135,6 +136,21 @@ void Session::measure_level() {
                          still->spheres->errors = found;
                      });
                    });
+}
+
+/// What cutting needs of a large mesh takes a while: it is made as soon as the tool is chosen, not after the stroke.
+void Session::prepare_tool() {
+  static_cast<void>(preparing.poll());  // the cut will tell what fails
+  const bool cuts = mode == Mode::Shapes && tool == Tool::Cut && !models.empty();
+  const std::shared_ptr<const MeshShape> mesh = cuts ? models[active_model]->mesh : nullptr;
+  if (mesh == prepared_.lock()) return;
+  if (preparing.running()) return preparing.cancel();
+  prepared_ = mesh;
+  if (!mesh) return;
+  preparing.start("getting ready to cut", [mesh](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+    if (const auto parts = mesh->parts(task); !parts) return tl::unexpected(parts.error());
+    return Job::Apply();
+  });
 }
 
 sdk::Expected<Model*> Session::active() {
@@ -175,7 +191,17 @@ void Session::add(std::shared_ptr<Model> model) {
   mode = Mode::Shapes;
   looks.map = MapKind::None;
   if (models.back()->mesh && !models.back()->spheres && looks.mesh == MeshLook::Off) looks.mesh = MeshLook::Solid;
-  camera.fit(around(), aspect);
+  see_all();
+}
+
+void Session::see_all() {
+  sdk::Sphere all = around();
+  const Model* second = other();
+  if (second != nullptr) {
+    const sdk::Sphere beyond = second->around();
+    all.radius = std::max(all.radius, (beyond.centre - all.centre).norm() + beyond.radius);
+  }
+  camera.fit(all, second != nullptr ? aspect / 2 : aspect);
 }
 
 sdk::Sphere Session::around() const {

@@ -97,6 +97,8 @@ class Session {
   void add(std::shared_ptr<Model> model);
   /// A sphere around the models that are shown.
   [[nodiscard]] sdk::Sphere around() const;
+  /// Lets the camera see all of the models that are shown, from where it looks.
+  void see_all();
   /// The model that is shown beside the active one, or none.
   [[nodiscard]] Model* other() const;
   /// What is seen at a place of the view, if anything is.
@@ -112,13 +114,14 @@ class Session {
   Tool tool = Tool::Look;
   Looks looks;
   OrbitCamera camera;
-  double aspect = 1.6;  ///< of the view, width over height
+  double aspect = 1.6;  ///< width over height, of the view or of both views together
   double brush = 0.05;  ///< radius, of the active model's size
   sdk::Combine combine = sdk::Combine::Replace;
   std::optional<Picked> picked;
   Walk walk;
 
   Job job;
+  Job preparing;                          ///< what the tool in hand will need; nothing waits for it
   std::function<bool()> waiting;          ///< a script waits until it is true
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
   std::string notice;                     ///< the last failure or what to know, for people
@@ -127,12 +130,15 @@ class Session {
   bool failed = false;     ///< a line has failed, or an expectation
   bool forgiving = false;  ///< what fails now does not count
   bool quit = false;
+  /// The longest that a window took for a frame, waiting aside, since that was last told.
+  Time longest_frame{0};
   Time now{0};
 
   void tell(std::string text, bool error = false);
 
  private:
   void measure_level();
+  void prepare_tool();
   void take_job();
 
   std::vector<std::string> log_;
@@ -142,6 +148,7 @@ class Session {
   std::weak_ptr<const Model> measured_;  // whose spheres are or were measured last,
   std::uint64_t measured_revision_ = 0;  // and which of them
   Time level_since_{0};
+  std::weak_ptr<const MeshShape> prepared_;  // what cutting needs of it is there, or being made
 };
 
 }  // namespace armature::viewer

@@ -46,6 +46,19 @@ TEST(Selection, EveryStepCanBeUndoneAndRedoneUntilAnotherIsTaken) {
   EXPECT_FALSE(selection.undo());
 }
 
+TEST(Selection, CountsItsPieces) {
+  // A strip of four triangles, each beside the next.
+  Mesh mesh;
+  for (int i = 0; i < 6; ++i) mesh.positions.emplace_back(i / 2, i % 2, 0);
+  for (std::size_t i = 0; i < 4; ++i) mesh.triangles.push_back({VertexId(i), VertexId(i + 1), VertexId(i + 2)});
+  const Adjacency adjacency(mesh);
+  const auto pieces = [&](const std::vector<FaceId>& faces) { return count_pieces(adjacency, faces); };
+  EXPECT_EQ(pieces({}), 0U);
+  EXPECT_EQ(pieces({FaceId(0), FaceId(1), FaceId(2), FaceId(3)}), 1U);
+  EXPECT_EQ(pieces({FaceId(0), FaceId(1), FaceId(3)}), 2U);
+  EXPECT_EQ(pieces({FaceId(0), FaceId(2)}), 2U) << "a vertex in common is not enough";
+}
+
 TEST(ProjectStroke, GoesToTheSurfaceAndRefusesWhatIsFarFromIt) {
   const Mesh sphere = surfaces::icosphere(3);
   const Surface surface(sphere);

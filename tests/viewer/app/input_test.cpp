@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "viewer/app/ui.h"
+#include "viewer/app/gestures.h"
 #include "viewer/session/posing.h"
 #include "viewer/session/script.h"
 
@@ -63,7 +63,10 @@ class Hands : public ::testing::Test {
     ImGui::NewFrame();
     handle_input(ui);
     ImGui::EndFrame();
-    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+    while (session.job.running() || ui.following) {
+      session.update(session.now + std::chrono::milliseconds(5));
+      ui.following = follow_gesture(ui);
+    }
   }
   /// Presses, moves in steps and lets go.
   void drag(const ImVec2& from, const ImVec2& by, int button = 0) {
@@ -167,6 +170,45 @@ TEST_F(Hands, SeeWhatABrushWillSelectBeforeTheyLetGo) {
   frame({340, 200});
   EXPECT_TRUE(selecting.drawn.empty());
   EXPECT_EQ(selecting.selection.faces(), drawn);
+}
+
+/// Two balls in one skin: a waist between them, at the height 0.
+std::shared_ptr<Model> waisted() {
+  constexpr double kWaist = 0.25;
+  auto model = ball();
+  sdk::Mesh mesh = model->mesh->mesh;
+  for (Vector3d& p : mesh.positions) {
+    const double y = 2 * p.y();
+    const double wide =
+        kWaist + (1 - kWaist) * std::pow(std::sin(std::numbers::pi / 2 * std::min(1.0, std::abs(y))), 2);
+    p = {wide * p.x(), y, wide * p.z()};
+  }
+  model->mesh = std::make_shared<const MeshShape>(std::move(mesh));
+  return model;
+}
+
+TEST_F(Hands, SeeThePartGrowWhileTheyCut) {
+  session.add(waisted());
+  ASSERT_TRUE(session.execute("tool cut"));
+  const Selecting& selecting = session.models.back()->selecting;
+  frame({285, 199});
+  ImGui::GetIO().MouseDown[0] = true;
+  frame({285, 199});
+  std::size_t seen = selecting.drawn.empty() ? 0 : 1;
+  for (float x = 285; x <= 315; x += 3) {
+    frame({x, 199});
+    seen += selecting.drawn.empty() ? 0 : 1;
+  }
+  EXPECT_GT(seen, 5U);
+  const auto drawn = selecting.drawn;
+  const std::size_t half = session.models.back()->mesh->mesh.triangles.size() / 2;
+  EXPECT_NEAR(static_cast<double>(drawn.size()), static_cast<double>(half), 0.1 * static_cast<double>(half));
+  EXPECT_TRUE(selecting.selection.faces().empty()) << "nothing is selected yet";
+  ImGui::GetIO().MouseDown[0] = false;
+  frame({315, 199});
+  EXPECT_TRUE(selecting.drawn.empty());
+  EXPECT_EQ(selecting.selection.faces(), drawn);
+  EXPECT_EQ(selecting.pieces, 1U);
 }
 
 TEST_F(Hands, DragTheBoundaryOfWhatIsSelected) {

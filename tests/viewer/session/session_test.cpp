@@ -1,6 +1,7 @@
 // The viewer without a window: lines, jobs, the camera, the path.
 #include "viewer/session/session.h"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include "viewer/session/coarse_mesh.h"
 #include "viewer/session/command.h"
 #include "viewer/session/job.h"
+#include "viewer/session/made_once.h"
 #include "viewer/session/orbit_camera.h"
 #include "viewer/session/script.h"
 #include "viewer/walk/path_task.h"
@@ -143,6 +145,28 @@ std::optional<sdk::Expected<void>> waited_for(Job& job) {
   }
 }
 
+TEST(WhatIsDropped, IsOpenedWhateverFailsMeanwhile) {
+  const std::string folder = ::testing::TempDir();
+  for (const char* name : {"one.off", "two.off"})
+    std::ofstream(folder + name) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  Session session;
+  Playlist playlist{Script(Words{"open " + as_word(folder + "one.off")})};
+  const auto play = [&] {
+    do {
+      session.update(session.now + 5ms);
+      playlist.step(session);
+    } while (!playlist.done(session));
+  };
+  play();
+  ASSERT_EQ(session.models.size(), 1U);
+  // By hand, and nothing lies within: it fails while the files wait.
+  ASSERT_TRUE(session.execute("lasso 2 2 2.1 2 2 2.1"));
+  for (const char* name : {"none.off", "two.off", "one.off"}) playlist.drop(folder + name);
+  play();
+  EXPECT_EQ(session.models.size(), 3U);
+  EXPECT_EQ(session.models.back()->name, "one");
+}
+
 TEST(Jobs, ChangeThingsOnTheCallersThreadOnceTheyAreDone) {
   Job job;
   std::thread::id changed_by;
@@ -185,6 +209,44 @@ TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
   while (!done) done = job.poll();
   EXPECT_TRUE(*done);
   EXPECT_TRUE(applied);
+}
+
+TEST(WhatIsMadeOnce, IsMadeByTheFirstThatAsksAndWaitedForByTheOthers) {
+  MadeOnce<int> once;
+  std::atomic<int> made = 0;
+  std::atomic<bool> go = false;
+  const auto make = [&](const sdk::Task&) -> sdk::Expected<int> {
+    while (!go) std::this_thread::sleep_for(1ms);
+    return ++made;
+  };
+  std::vector<int> got(3);
+  {
+    std::vector<std::jthread> askers;
+    for (int& to : got) askers.emplace_back([&] { to = **once.get({}, make); });
+    go = true;
+  }
+  EXPECT_EQ(got, (std::vector{1, 1, 1}));
+}
+
+TEST(WhatIsMadeOnce, IsMadeByTheNextWhereTheFirstOneIsCancelledAndNobodyWaitsLongerThanHeLikes) {
+  MadeOnce<int> once;
+  std::stop_source first, second;
+  std::atomic<bool> making = false;
+  std::jthread maker([&] {
+    const auto made = once.get({.stop = first.get_token()}, [&](const sdk::Task& task) -> sdk::Expected<int> {
+      making = true;
+      while (!task.stopped()) std::this_thread::sleep_for(1ms);
+      return sdk::cancelled();
+    });
+    EXPECT_EQ(made.error().kind, sdk::ErrorKind::Cancelled);
+  });
+  while (!making) std::this_thread::sleep_for(1ms);
+  const auto never = [](const sdk::Task&) -> sdk::Expected<int> { return 0; };
+  second.request_stop();
+  EXPECT_EQ(once.get({.stop = second.get_token()}, never).error().kind, sdk::ErrorKind::Cancelled);
+  first.request_stop();
+  EXPECT_EQ(**once.get({}, [](const sdk::Task&) -> sdk::Expected<int> { return 7; }), 7);
+  EXPECT_EQ(**once.get({}, never), 7);
 }
 
 TEST(Jobs, ThatRunOutOfMemoryFailInWords) {

@@ -1,4 +1,6 @@
 // Small things that panels are made of.
+#include <cmath>
+
 #include "viewer/app/theme.h"
 #include "viewer/app/ui.h"
 
@@ -41,6 +43,14 @@ bool accent_button(const char* label, float width) {
   ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32_WHITE);
   const bool clicked = ImGui::Button(label, {width, 0});
   ImGui::PopStyleColor(3);
+  return clicked;
+}
+
+bool small_button(const char* label) {
+  const ImVec2 padding = ImGui::GetStyle().FramePadding;
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, std::round(0.4F * padding.y)});
+  const bool clicked = ImGui::Button(label);
+  ImGui::PopStyleVar();
   return clicked;
 }
 

@@ -26,7 +26,7 @@ void draw_pose_panel(Ui& ui) {
   if (!model.handle.empty() && !session.job.running()) {  // work may be changing the level
     ImGui::SameLine();
     const bool pinned = model.posing->is_pinned(model.handle.front());
-    if (ImGui::SmallButton(pinned ? "Unpin" : "Pin")) ui.issue("{}", pinned ? "unpin" : "pin");
+    if (small_button(pinned ? "Unpin" : "Pin")) ui.issue("{}", pinned ? "unpin" : "pin");
   }
   if (ImGui::Button("Undo##pose")) ui.issue("undo");
   ImGui::SameLine();

@@ -39,9 +39,9 @@ void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) 
   ImGui::Text("%.0f %%", 100 * match.score);
   if (!shown) ImGui::PopStyleColor();
   ImGui::SameLine(ui.px(92));
-  if (ImGui::SmallButton("Yes")) ui.issue("accept {}", place);
+  if (small_button("Yes")) ui.issue("accept {}", place);
   ImGui::SameLine();
-  if (ImGui::SmallButton("No")) ui.issue("reject {}", place);
+  if (small_button("No")) ui.issue("reject {}", place);
   ImGui::SameLine();
   ImGui::TextDisabled("%s", match.mirrored ? "mirrored" : "");
   hint(match.reason.c_str());
@@ -110,7 +110,12 @@ void draw_select_panel(Ui& ui) {
     if (ImGui::Button("Better boundary")) ui.issue("snap");
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Lets it run where the surface is best cut nearby");
   }
-  ImGui::TextDisabled("%zu faces selected", selecting.selection.faces().size());
+  if (selecting.selection.faces().empty()) {
+    ImGui::TextDisabled("nothing selected");
+  } else {
+    ImGui::TextDisabled("%zu faces selected, in %zu %s", selecting.selection.faces().size(), selecting.pieces,
+                        selecting.pieces == 1 ? "piece" : "pieces");
+  }
   if (!selecting.reference.empty()) draw_expansion(ui, selecting);
   ImGui::EndDisabled();
 }

@@ -75,7 +75,7 @@ void draw_sidebar(Ui& ui) {
     }
   }
   ImGui::Dummy({0, ui.px(8)});
-  if (ImGui::SmallButton(ui.log ? "Hide the commands" : "Commands")) ui.log = !ui.log;
+  if (small_button(ui.log ? "Hide the commands" : "Commands")) ui.log = !ui.log;
   ImGui::End();
 }
 
@@ -86,13 +86,13 @@ void draw_log(Ui& ui) {
   ImGui::SetNextWindowSize({std::min(ui.px(520), view.size.x - ui.px(24)), height});
   ImGui::Begin("Commands", &ui.log, kFixed);
   hint("Every action is a line; armature-viewer --script FILE replays them.");
-  if (ImGui::SmallButton("Copy all")) {
+  if (small_button("Copy all")) {
     std::string text;
     for (const std::string& line : ui.session.log()) text += line + '\n';
     ImGui::SetClipboardText(text.c_str());
   }
   ImGui::SameLine();
-  if (ImGui::SmallButton("Save to session.txt")) ui.issue("save-session session.txt");
+  if (small_button("Save to session.txt")) ui.issue("save-session session.txt");
   ImGui::BeginChild("lines");
   for (const std::string& line : ui.session.log()) ImGui::TextUnformatted(line.c_str());
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
@@ -111,15 +111,20 @@ void draw_status_bar(Ui& ui, const Area& area) {
   ImGui::Begin("status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(3);
-  if (session.job.running()) {
-    const JobProgress progress = session.job.progress();
+  const auto draw_progress = [&](const Job& job) {
+    const JobProgress progress = job.progress();
     ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(session.job.title().c_str());
+    ImGui::TextUnformatted(job.title().c_str());
     ImGui::SameLine();
     ImGui::ProgressBar(static_cast<float>(progress.fraction), {std::min(ui.px(220), 0.3F * area.size.x), 0},
                        progress.stage.c_str());
     ImGui::SameLine();
-    if (!ui.session.job.whole() && ImGui::Button("Cancel")) ui.issue("cancel");
+  };
+  if (session.job.running()) {
+    // A cut waits for what is being prepared for it.
+    draw_progress(session.preparing.running() && session.job.progress().stage.empty() ? session.preparing
+                                                                                      : session.job);
+    if (!session.job.whole() && ImGui::Button("Cancel")) ui.issue("cancel");
   } else if (!session.notice.empty()) {
     ImGui::AlignTextToFramePadding();
     ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
@@ -128,6 +133,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
     if (ImGui::IsItemClicked()) session.notice.clear();
   } else {
+    if (session.preparing.running()) draw_progress(session.preparing);
     static constexpr std::array<const char*, 8> kHints = {
         "Drag to turn, right-drag to move, wheel to zoom.",
         "Click on a component. Alt moves the camera.",

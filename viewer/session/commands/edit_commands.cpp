@@ -111,9 +111,10 @@ Done edit(Session& session, Arguments& arguments) {
 /// does what was compared.
 void change_mesh(Session& session, Model& model, std::shared_ptr<const MeshShape> mesh) {
   model.mesh = std::move(mesh);
-  sdk::Selection selection = std::move(model.selecting.selection);
-  model.selecting = {};
-  model.selecting.selection = std::move(selection);
+  Selecting selected;
+  selected.selection = std::move(model.selecting.selection);
+  selected.pieces = model.selecting.pieces;
+  model.selecting = std::move(selected);
   model.spheres.reset();
   model.editing.descriptors.clear();
   model.editing.tried.reset();

@@ -28,7 +28,7 @@ Done close(Session& session, Arguments& arguments) {
   session.beside = 0;
   session.active_model = session.active_model == 0 ? 0 : session.active_model - 1;
   session.picked.reset();
-  if (!session.models.empty()) session.camera.fit(session.around(), session.aspect);
+  if (!session.models.empty()) session.see_all();
   return {};
 }
 
@@ -47,6 +47,7 @@ Done beside(Session& session, Arguments& arguments) {
   const std::size_t place = arguments.count("model", 0, session.models.size());
   if (auto checked = arguments.check(); !checked) return checked;
   session.beside = place;
+  session.see_all();
   return {};
 }
 

@@ -20,6 +20,12 @@ using Faces = std::vector<sdk::FaceId>;
 /// Matches that are as good as sure are shown at once.
 constexpr double kClear = 0.85;
 
+/// What follows from another selection.
+void selection_changed(Model& model) {
+  model.selecting.pieces = sdk::count_pieces(model.mesh->surface.adjacency, model.selecting.selection.faces());
+  ++model.colour_revision;
+}
+
 /// What a gesture selected joins the selection, and becomes what others are compared with. `again`: it refines the last
 /// gesture, in place of which it counts.
 void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces faces, bool again) {
@@ -30,7 +36,8 @@ void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces 
   selecting.reference = std::move(faces);
   selecting.expansion.reset();
   selecting.shown = 0;
-  ++model.colour_revision;
+  selecting.drawn.clear();
+  selection_changed(model);
 }
 
 void forget_reference(Model& model) {
@@ -38,7 +45,7 @@ void forget_reference(Model& model) {
   model.selecting.reference.clear();
   model.selecting.expansion.reset();
   model.selecting.shown = 0;
-  ++model.colour_revision;
+  selection_changed(model);
 }
 
 Done click(Session& session, Arguments& arguments) {
@@ -49,16 +56,11 @@ Done click(Session& session, Arguments& arguments) {
   session.start("finding components",
                 [how = session.combine, face,
                  model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-                  std::shared_ptr<sdk::ComponentIndex> index = model->selecting.components;
-                  if (!index) {
-                    auto built = sdk::ComponentIndex::build(model->mesh->mesh, model->mesh->surface.adjacency, task);
-                    if (!built) return tl::unexpected(built.error());
-                    index = std::make_shared<sdk::ComponentIndex>(std::move(*built));
-                  }
-                  auto faces = index->select(face);
+                  const auto index = model->mesh->components(task);
+                  if (!index) return tl::unexpected(index.error());
+                  auto faces = (*index)->select(face);
                   if (!faces) return tl::unexpected(faces.error());
-                  return Job::Apply([how, model, index, faces = std::move(*faces)] {
-                    model->selecting.components = index;
+                  return Job::Apply([how, model, faces = std::move(*faces)] {
                     take_reference(how, *model, Selecting::Kind::Component, faces, false);
                   });
                 });
@@ -76,21 +78,17 @@ Done cut(Session& session, Arguments& arguments) {
   session.start("cutting",
                 [how = session.combine, again, stroke = std::move(stroke),
                  model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-                  std::shared_ptr<const sdk::PartModel> parts = model->selecting.parts;
-                  if (!parts) {
-                    auto built = sdk::PartModel::build(model->mesh->surface, task);
-                    if (!built) return tl::unexpected(built.error());
-                    parts = std::make_shared<const sdk::PartModel>(std::move(*built));
-                  }
+                  const auto parts = model->mesh->parts(task);
+                  if (!parts) return tl::unexpected(parts.error());
                   const auto points = sdk::project_stroke(model->mesh->surface, stroke, "the stroke");
                   if (!points) return tl::unexpected(points.error());
                   auto cut = again ? std::make_shared<sdk::PartCut>(*model->selecting.cut)
-                                   : std::make_shared<sdk::PartCut>(*parts);
+                                   : std::make_shared<sdk::PartCut>(**parts);
                   cut->begin_stroke();
                   for (const sdk::SurfacePoint& point : *points) cut->add_point(point);
                   auto faces = cut->faces();
                   if (!faces) return tl::unexpected(faces.error());
-                  return Job::Apply([how, model, again, parts, cut, faces = std::move(*faces)] {
+                  return Job::Apply([how, model, again, parts = *parts, cut, faces = std::move(*faces)] {
                     model->selecting.parts = parts;
                     model->selecting.cut = cut;
                     take_reference(how, *model, Selecting::Kind::Part, faces, again);
@@ -101,35 +99,49 @@ Done cut(Session& session, Arguments& arguments) {
 
 Done other_side(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  const auto model = session.active_mesh();
-  if (!model) return tl::unexpected(model.error());
-  Selecting& selecting = (*model)->selecting;
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
+  const Selecting& selecting = (*active)->selecting;
   if (selecting.kind != Selecting::Kind::Part || !selecting.cut) return sdk::fail("draw along a cut first");
-  selecting.cut->swap_sides();
-  auto faces = selecting.cut->faces();
-  if (!faces) return tl::unexpected(faces.error());
-  take_reference(session.combine, **model, Selecting::Kind::Part, std::move(*faces), true);
+  session.start("taking the other side",
+                [how = session.combine,
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto cut = std::make_shared<sdk::PartCut>(*model->selecting.cut);
+                  cut->swap_sides();
+                  auto faces = cut->faces();
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([how, model, cut, faces = std::move(*faces)] {
+                    model->selecting.cut = cut;
+                    take_reference(how, *model, Selecting::Kind::Part, faces, true);
+                  });
+                });
   return {};
 }
 
 Done brush(Session& session, Arguments& arguments) {
-  const auto model = session.active_mesh();
-  if (!model) return tl::unexpected(model.error());
+  const auto active = session.active_mesh();
+  if (!active) return tl::unexpected(active.error());
   const std::size_t how = arguments.choice("brush", {"new", "add", "background"});
   const double radius = arguments.number("radius", 1e-300, 1e300);
   const auto stroke = arguments.points("stroke", 3, 1);
   if (auto checked = arguments.check(); !checked) return checked;
-  Selecting& selecting = (*model)->selecting;
+  const Selecting& selecting = (*active)->selecting;
   const bool again = how != 0;
   if (again && selecting.kind != Selecting::Kind::Patch)
     return sdk::fail("there is no patch to go on with; brush over one");
   sdk::PatchStrokes drawn = again ? selecting.strokes : sdk::PatchStrokes{};
   drawn.radius = radius;
   (how == 2 ? drawn.background : drawn.strokes).push_back(stroke);
-  auto faces = sdk::select_patch((*model)->mesh->surface, drawn);
-  if (!faces) return tl::unexpected(faces.error());
-  selecting.strokes = std::move(drawn);
-  take_reference(session.combine, **model, Selecting::Kind::Patch, std::move(*faces), again);
+  session.start("brushing",
+                [how = session.combine, again, drawn = std::move(drawn),
+                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                  auto faces = sdk::select_patch(model->mesh->surface, drawn);
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([how, again, drawn, model, faces = std::move(*faces)] {
+                    model->selecting.strokes = drawn;
+                    take_reference(how, *model, Selecting::Kind::Patch, faces, again);
+                  });
+                });
   return {};
 }
 
@@ -199,7 +211,11 @@ Done drag_edge(Session& session, Arguments& arguments) {
 sdk::Expected<sdk::Expansion> expanded(const Model& model, const sdk::Task& task) {
   const Selecting& selecting = model.selecting;
   switch (selecting.kind) {
-    case Selecting::Kind::Component: return selecting.components->expand(selecting.reference.front());
+    case Selecting::Kind::Component: {
+      const auto index = model.mesh->components(task);
+      if (!index) return tl::unexpected(index.error());
+      return (*index)->expand(selecting.reference.front());
+    }
     case Selecting::Kind::Part: return sdk::expand_part(*selecting.parts, selecting.reference, {}, task);
     case Selecting::Kind::Patch:
     case Selecting::Kind::Lasso: return sdk::expand_patch(model.mesh->surface, selecting.reference, {}, task);

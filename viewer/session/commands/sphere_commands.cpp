@@ -55,15 +55,14 @@ Done build_alike(Session& session, Arguments& arguments) {
                   }
                   return Job::Apply([&session, plain, hierarchy, beside, has_one] {
                     if (!has_one) plain->set_hierarchy(beside, kFirstLevel);
-                    const OrbitCamera camera = session.camera;
                     const std::size_t place = session.active_model;
                     auto model = std::make_shared<Model>();
                     model->name = plain->name + ", like regions together";
                     model->mesh = plain->mesh;
                     model->set_hierarchy(hierarchy, plain->spheres->shape.spheres.size());
                     session.add(model);
-                    session.camera = camera;  // the same shape, seen from the same place
                     session.beside = place + 1;
+                    session.see_all();
                     session.looks.spheres = SpheresLook::Surface;
                     session.looks.mesh = MeshLook::Off;
                   });

@@ -31,7 +31,7 @@ Done camera(Session& session, Arguments& arguments) {
 
 Done fit(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
-  session.camera.fit(session.around(), session.aspect);
+  session.see_all();
   return {};
 }
 

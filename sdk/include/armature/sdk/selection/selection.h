@@ -5,12 +5,16 @@
 #include <span>
 #include <vector>
 
+#include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/mesh/ids.h>
 
 namespace armature::sdk {
 
 /// Faces ascending, none twice: how every tool here hands them out.
 [[nodiscard]] std::vector<FaceId> in_order(std::vector<FaceId> faces);
+
+/// How many pieces these faces are, linked by edges. Faces ascend; takes time linear in the last one.
+[[nodiscard]] std::size_t count_pieces(const Adjacency& adjacency, std::span<const FaceId> faces);
 
 /// What a new set of faces does to a selection.
 enum class Combine : std::uint8_t {

@@ -1,0 +1,113 @@
+#include "viewer/app/mesh_drawing.h"
+
+#include <span>
+#include <utility>
+
+#include "viewer/session/coarse_mesh.h"
+#include "viewer/session/maps.h"
+
+namespace armature::viewer {
+
+/// Of a model at some moment; what may change is copied.
+struct MeshDrawing::Source {
+  std::shared_ptr<const MeshShape> shape;  // holds what follows,
+  std::shared_ptr<const ShadedMesh> tried;
+  std::optional<sdk::Mesh> posed;
+  const sdk::Mesh& mesh() const { return posed ? *posed : tried ? tried->mesh : shape->mesh; }
+  std::span<const std::array<Eigen::Vector3d, 3>> normals() const {
+    if (posed) return {};
+    return tried ? tried->normals : shape->normals;
+  }
+  sdk::Sphere frame;
+  Layer layer = Layer::Solid;
+  bool wireframe = false;
+  MeshPaint paint;
+  bool is_new = true;                      // scenes are wanted, not colours alone
+  std::size_t coarse_cells = 0;            // 0: no coarse one
+  std::vector<sdk::FaceId> coarse_source;  // where colours alone are wanted
+};
+
+MeshDrawing::Source MeshDrawing::source_of(const std::shared_ptr<const Model>& model, const Looks& looks,
+                                           bool is_new) const {
+  const bool has_coarse = !model->posing && model->shown_mesh().triangles.size() > most_fluent_faces_;
+  Source source{.shape = model->mesh,
+                .tried = model->editing.tried,
+                .posed = {},
+                .frame = model->around(),
+                .layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
+                .wireframe = looks.wireframe,
+                .paint = paint_of(*model, looks.map),
+                .is_new = is_new,
+                .coarse_cells = has_coarse ? coarse_cells_ : 0,
+                .coarse_source = {}};
+  if (model->posing && is_new) source.posed = model->posed;
+  if (!is_new) source.coarse_source = coarse_source_;
+  return source;
+}
+
+MeshDrawing::Made MeshDrawing::make(const Source& source) {
+  const sdk::Mesh& mesh = source.mesh();
+  Made made;
+  made.fine_colours = corner_colours(mesh, source.shape->surface.adjacency, source.paint, kShapePalette.mesh);
+  made.coarse_source = source.coarse_source;
+  CoarseMesh coarse;
+  if (source.is_new && source.coarse_cells > 0) {
+    coarse = coarse_mesh(mesh, source.coarse_cells);
+    made.coarse_source = std::move(coarse.source);
+  }
+  for (const sdk::FaceId face : made.coarse_source) made.coarse_colours.push_back(made.fine_colours[face.index()]);
+  if (!source.is_new) return made;
+  made.fine.emplace(source.frame, kShapePalette);
+  made.fine->add(mesh, {.layer = source.layer,
+                        .wireframe = source.wireframe,
+                        .normals = source.normals(),
+                        .colours = made.fine_colours});
+  if (source.coarse_cells == 0) return made;
+  made.coarse.emplace(source.frame, kShapePalette);
+  made.coarse->add(coarse.mesh, {.layer = source.layer, .colours = made.coarse_colours});
+  return made;
+}
+
+void MeshDrawing::send(Made made, const Shape& shape, const Colours& colours) {
+  if (made.fine) {
+    fine_.reset();  // first: two of a million triangles are a lot
+    coarse_.reset();
+    fine_.emplace(*made.fine);
+    if (made.coarse) coarse_.emplace(*made.coarse);
+    coarse_source_ = std::move(made.coarse_source);
+  } else {
+    const Layer layer = shape.look == MeshLook::Glass ? Layer::Glass : Layer::Solid;
+    fine_->recolour(layer, made.fine_colours);
+    if (coarse_) coarse_->recolour(layer, made.coarse_colours);
+  }
+  shape_ = shape;
+  colours_ = colours;
+  ++changes_;
+}
+
+void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once) {
+  const Shape shape{model, model->mesh_revision, looks.mesh, looks.wireframe};
+  const Colours colours{model->colour_revision, looks.map};
+  if (making_.running() && asked_.model != shape.model) making_.cancel();
+  static_cast<void>(making_.poll());
+  const auto is_shown = [&] { return fine_ && shape_ == shape && colours_ == colours; };
+  if (is_shown()) return;
+  if (fine_ && shape_.model != shape.model) {
+    fine_.reset();
+    coarse_.reset();
+    ++changes_;
+  }
+  const bool is_new = !fine_ || shape_ != shape;
+  if (at_once || model->shown_mesh().triangles.size() <= most_fluent_faces_) {
+    making_.cancel();
+    return send(make(source_of(model, looks, is_new)), shape, colours);
+  }
+  if (making_.running()) return;
+  asked_ = shape;
+  making_.start("drawing", [this, shape, colours, source = source_of(model, looks, is_new)](const sdk::Task&) {
+    auto made = std::make_shared<Made>(make(source));
+    return sdk::Expected<Job::Apply>([this, shape, colours, made] { send(std::move(*made), shape, colours); });
+  });
+}
+
+}  // namespace armature::viewer
