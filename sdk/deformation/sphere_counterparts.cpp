@@ -34,11 +34,15 @@ constexpr double kSize = 1.3, kPlace = 0.5;
 // Turns that fit so nearly alike, in spreads, are told apart by the whole mesh.
 constexpr double kEqually = 0.02;
 
-/// The surface about some vertices.
-struct Place {
-  Vector3d middle = Vector3d::Zero();  // of the vertices
-  double spread = 0;                   // their root mean square distance from it
-  std::vector<Vector3d> points = {};   // of the surface about them
+/// Where some vertices lie.
+struct Extent {
+  Vector3d middle = Vector3d::Zero();
+  double spread = 0;  // their root mean square distance from it
+};
+
+/// The surface about them.
+struct Place : Extent {
+  std::vector<Vector3d> points = {};  // of the surface about them
   std::vector<double> weights = {};
   std::array<Matrix3d, 2> axes = {};  // principal, of the surface within one and two reaches
 };
@@ -59,12 +63,17 @@ Matrix3d principal_axes(std::span<const Vector3d> points) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(second).eigenvectors();
 }
 
-Place place_of(const Mesh& mesh, std::span<const VertexId> vertices) {
-  Place place;
+Extent extent_of(const Mesh& mesh, std::span<const VertexId> vertices) {
+  Extent extent;
   const auto count = static_cast<double>(vertices.size());
-  for (const VertexId v : vertices) place.middle += mesh.position(v) / count;
-  for (const VertexId v : vertices) place.spread += (mesh.position(v) - place.middle).squaredNorm() / count;
-  place.spread = std::sqrt(place.spread);
+  for (const VertexId v : vertices) extent.middle += mesh.position(v) / count;
+  for (const VertexId v : vertices) extent.spread += (mesh.position(v) - extent.middle).squaredNorm() / count;
+  extent.spread = std::sqrt(extent.spread);
+  return extent;
+}
+
+Place place_of(const Mesh& mesh, const Extent& extent) {
+  Place place{extent};
   std::array<std::vector<Vector3d>, 2> near;
   for (const Vector3d& p : mesh.positions) {
     const double distance = (p - place.middle).norm();
@@ -196,6 +205,40 @@ Expected<void> checked(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t
   return check(SphereMove{.spheres = {reference.begin(), reference.end()}}, spheres);
 }
 
+/// The spheres of a level and the surface about each, which is looked for when it is first asked for.
+class Places {
+ public:
+  Places(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t spheres) : mesh_(mesh), places_(spheres) {
+    for (const NodeId node : hierarchy.nodes_of_level(spheres))
+      extents_.push_back(extent_of(mesh, hierarchy.vertices(node)));
+  }
+
+  [[nodiscard]] const Extent& extent(SphereId s) const { return extents_[s.index()]; }
+  const Place& operator[](SphereId s) {
+    auto& place = places_[s.index()];
+    if (!place) place = place_of(mesh_, extents_[s.index()]);
+    return *place;
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<Extent> extents_;
+  std::vector<std::optional<Place>> places_;
+};
+
+/// How far the surface about spheres lies from that about others: of the worst of them.
+double worst_misfit(const Fitting& fitting, Places& places, std::span<const SphereId> from,
+                    std::span<const SphereId> to, const Affine3d& motion) {
+  double worst = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    if (!alike(places.extent(from[k]).spread, places.extent(to[k]).spread))
+      return std::numeric_limits<double>::infinity();
+    if (places.extent(from[k]).spread > 0)
+      worst = std::max(worst, fitting.misfit(places[from[k]], places[to[k]], motion));
+  }
+  return worst;
+}
+
 }  // namespace
 
 Expected<std::vector<SphereCounterpart>> sphere_counterparts(const Mesh& mesh, const Hierarchy& hierarchy,
@@ -216,21 +259,22 @@ Expected<std::vector<SphereCounterpart>> sphere_counterparts(const Mesh& mesh, c
     vertices.insert(vertices.end(), more.begin(), more.end());
   }
   // All of the reference is laid down, at first so that its largest sphere comes to lie on another.
-  const Place whole = place_of(mesh, vertices);
+  const Place whole = place_of(mesh, extent_of(mesh, vertices));
   const SphereId seed =
       *std::ranges::max_element(reference, {}, [&](SphereId s) { return hierarchy.vertices(nodes[s.index()]).size(); });
-  const Place from = place_of(mesh, hierarchy.vertices(nodes[seed.index()]));
+  Places places(mesh, hierarchy, spheres);
+  const Extent from = places.extent(seed);
   if (!(from.spread > 0)) return std::vector<SphereCounterpart>{};
 
   std::vector<SphereCounterpart> found;
-  for (std::size_t s = 0; s < nodes.size(); ++s) {
+  for (std::size_t s = 0; s < spheres; ++s) {
     if (task.stopped()) return cancelled();
-    task.report("finding counterparts", static_cast<double>(s) / static_cast<double>(nodes.size()));
-    if (std::ranges::find(reference, SphereId(s)) != reference.end()) continue;
-    const Place to = place_of(mesh, hierarchy.vertices(nodes[s]));
-    if (!alike(from.spread, to.spread)) continue;
+    task.report("finding counterparts", static_cast<double>(s) / static_cast<double>(spheres));
+    const SphereId seed_there(s);
+    if (std::ranges::find(reference, seed_there) != reference.end()) continue;
+    if (!alike(from.spread, places.extent(seed_there).spread)) continue;
     std::vector<std::pair<double, Affine3d>> rough;
-    for (const Affine3d& motion : fitting.motions(from, to)) {
+    for (const Affine3d& motion : fitting.motions(places[seed], places[seed_there])) {
       const double misfit = fitting.misfit(whole, motion, kGlance);
       if (misfit < kGlanceMisfit * options.most_misfit) rough.emplace_back(misfit, motion);
     }
@@ -242,7 +286,7 @@ Expected<std::vector<SphereCounterpart>> sphere_counterparts(const Mesh& mesh, c
       const Affine3d fine = fitting.refined(whole, motion);
       auto there = spheres_there(level->spheres, reference, fine, kPlace * from.spread);
       if (there.empty()) continue;
-      const double here = fitting.misfit(from, to, fine);
+      const double here = worst_misfit(fitting, places, reference, there, fine);
       const double all = fitting.whole(fine, whole.spread);
       if (!(here < options.most_misfit)) continue;
       if (best && (std::abs(here - best->misfit) < kEqually ? all >= best_of_whole : here > best->misfit)) continue;

@@ -149,7 +149,6 @@ bool Decimation<Metric>::take_first(std::uint32_t most) {
       reserved_.around(complex_, member.edge);
       ready_[kept++] = member;
     } else {
-      give_back(member.edge);
       postpone(member.edge);
     }
   }
@@ -234,6 +233,8 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
         give_back(member.edge);
     }
   ready_.resize(kept);
+  // Only now, so that no group of this step held it.
+  for (const Left& left : rest_) give_back(left.edge);
   return true;
 }
 

@@ -59,6 +59,28 @@ TEST(SphereCounterparts, OfAFootAreTheOtherFeet) {
     EXPECT_TRUE(std::ranges::any_of(*found, [&](const auto& one) { return one.spheres == std::vector{there}; }));
 }
 
+TEST(SphereCounterparts, OfSeveralAreAlikeEachOne) {
+  // The other has a rough head.
+  Mesh other = four_legged();
+  double roughness = 0.06;
+  for (Vector3d& p : other.positions)
+    if (p.normalized().dot(Vector3d(1, 0.4, 0).normalized()) > 0.9) p *= 1 + (roughness = -roughness);
+  const Mesh both = surfaces::together(four_legged(), surfaces::moved(other, {9, 0, 0}));
+  const Hierarchy hierarchy = build_similar_hierarchy(both).value().build.hierarchy;
+  const auto spheres = hierarchy.level(48).value().spheres;
+  const auto towards = [&](const Vector3d& direction) {
+    const auto found = std::ranges::max_element(
+        spheres, {}, [&](const Sphere& s) { return s.centre.x() < 4 ? s.centre.dot(direction) : -99; });
+    return SphereId(static_cast<std::size_t>(found - spheres.begin()));
+  };
+  const std::vector<SphereId> foot = {towards({1, -1.4, 0.9})};
+  const std::vector<SphereId> foot_and_back = {foot[0], towards({-1, 1, 0})};
+  EXPECT_EQ(sphere_counterparts(both, hierarchy, 48, foot).value().size(), 7U);
+  // There is a foot of either side of the other where a sphere is near the back's place as well, but one alone is like
+  // it.
+  EXPECT_EQ(sphere_counterparts(both, hierarchy, 48, foot_and_back).value().size(), 1U);
+}
+
 TEST(SphereCounterparts, MoveInTheirOwnFrames) {
   const Creature creature;
   const std::vector<SphereMove> moves = {

@@ -18,7 +18,9 @@ struct SphereCounterpart {
   std::vector<SphereId> spheres;  ///< in the order of the reference's
   Eigen::Affine3d
       from_reference;  ///< rigid, or with a mirror: lays the surface about the reference on that about these
-  double misfit;       ///< how far the one lies from the other then: a mean, as a part of the reference's spread
+  /// How far the surface about a sphere lies from that about its counterpart then, of the worst of them: a mean, as a
+  /// part of the spread of the sphere's region.
+  double misfit;
 };
 
 /// What counts as a counterpart.
