@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sdk/deformation/four.h"
+#include "sdk/mesh/four.h"
 
 namespace armature::sdk {
 namespace {

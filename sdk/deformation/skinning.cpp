@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "sdk/deformation/four.h"
+#include "sdk/mesh/four.h"
 
 namespace armature::sdk {
 namespace {

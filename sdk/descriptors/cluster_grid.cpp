@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/mesh/four.h"
+
 namespace armature::sdk {
 namespace {
 
@@ -40,13 +42,6 @@ Sorted sorted_by(std::vector<std::uint64_t> keys) {
   return sorted;
 }
 
-// Four numbers side by side, in one register or two: the same results.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define ARMATURE_LANES __attribute__((target_clones("avx2", "default")))
-#else
-#define ARMATURE_LANES
-#endif
-using Four [[gnu::vector_size(32)]] = double;
 constexpr std::size_t kLanes = 4;
 
 /// x, y, z about the place, sums in the order weight, p, n, p.n, p.p.
@@ -86,6 +81,27 @@ void ClusterColumns::append(const ClusterColumns& others, std::size_t begin, std
     (this->*column)
         .insert((this->*column).end(), from.begin() + static_cast<std::ptrdiff_t>(begin),
                 from.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+}
+void ClusterColumns::append_near(const ClusterColumns& others, const Eigen::AlignedBox3d& box, double distance) {
+  const Eigen::Vector3d low = box.min();
+  const Eigen::Vector3d high = box.max();
+  thread_local std::vector<std::uint32_t> near;
+  near.resize(others.size());
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < others.size(); ++i) {
+    const double dx = std::max({0.0, low.x() - others.x[i], others.x[i] - high.x()});
+    const double dy = std::max({0.0, low.y() - others.y[i], others.y[i] - high.y()});
+    const double dz = std::max({0.0, low.z() - others.z[i], others.z[i] - high.z()});
+    near[count] = i;
+    count += dx * dx + dy * dy + dz * dz < distance * distance ? 1U : 0U;
+  }
+  for (const auto column : kColumns) {
+    auto& to = this->*column;
+    const auto& from = others.*column;
+    const std::size_t first = to.size();
+    to.resize(first + count);
+    for (std::size_t k = 0; k < count; ++k) to[first + k] = from[near[k]];
   }
 }
 void ClusterColumns::clear() {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <armature/sdk/descriptors/point_set.h>
 
 #include "sdk/descriptors/gls_fit.h"
@@ -19,6 +19,8 @@ struct ClusterColumns {
 
   [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
   void append(const ClusterColumns& others, std::size_t begin, std::size_t end);
+  /// Appends those within a distance of a box.
+  void append_near(const ClusterColumns& others, const Eigen::AlignedBox3d& box, double distance);
   void clear();
   /// Fills up to a multiple of `block` with clusters that weigh nothing.
   void pad(std::size_t block);

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <armature/sdk/descriptors/gls.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include "sdk/descriptors/cluster_grid.h"
 #include "sdk/descriptors/gls_fit.h"
@@ -14,6 +16,7 @@ namespace armature::sdk {
 namespace {
 
 constexpr std::size_t kBlock = 4;                 // of weighted_sums()
+constexpr std::size_t kWorthLooking = 8;          // so many points: which clusters are near them
 constexpr double kSmallestScale = 1e-6;           // of the diagonal
 constexpr double kSmallest = 2, kLargest = 0.25;  // of `gls_scales()`
 
@@ -21,6 +24,32 @@ Eigen::AlignedBox3d box_of(const PointSet& points) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : points.positions) box.extend(p);
   return box;
+}
+
+/// Calls `work` with groups of points of a cell of side t, each within a small cube of it; as many in each, about, as
+/// make up for looking which clusters are near.
+template <class Points, class Place, class Work>
+void for_groups(Points points, const Place& place, double t, const Work& work) {
+  constexpr double kTogether = 16;
+  constexpr int kMostCubes = 5;  // along a side
+  const auto n = static_cast<double>(points.size());
+  const int cubes = std::clamp(static_cast<int>(std::sqrt(n / kTogether)), 1, kMostCubes);
+  if (cubes > 1) {
+    const double side = t / cubes;
+    // Sorted by cubes through the key, which all of them share.
+    for (auto& [key, point] : points) {
+      const Eigen::Array3d cube = (place(point) / side).array().floor();
+      const Eigen::Array3d wrapped = cube - cubes * (cube / cubes).floor();
+      key = static_cast<std::uint64_t>(wrapped[0] + cubes * (wrapped[1] + cubes * wrapped[2]));
+    }
+    std::ranges::sort(points);
+  }
+  for (std::size_t begin = 0; begin < points.size();) {
+    std::size_t end = begin + 1;
+    while (end < points.size() && points[end].first == points[begin].first) ++end;
+    work(points.subspan(begin, end - begin));
+    begin = end;
+  }
 }
 
 }  // namespace
@@ -136,28 +165,40 @@ GlsDerivatives GrowingLeastSquares::derivatives_at(const Eigen::Vector3d& place,
 
 Expected<std::vector<Gls>> GrowingLeastSquares::at_points(std::size_t scale, const Task& task) const {
   const ClusterGrid& grid = state_->grids[scale];
-  const auto& positions = state_->points.positions;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(positions.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = {ClusterGrid::key(grid.cell_of(positions[i] - state_->origin)), i};
-  std::ranges::sort(order);
+  const auto place = [&](std::uint32_t point) {
+    return Eigen::Vector3d(state_->points.positions[point] - state_->origin);
+  };
+  const double t = state_->scales[scale];
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(state_->points.positions.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {ClusterGrid::key(grid.cell_of(place(i))), i};
+  tbb::parallel_sort(order);
   std::vector<std::size_t> starts;  // of cells, and the end
   for (std::size_t i = 0; i < order.size(); ++i)
     if (i == 0 || order[i].first != order[i - 1].first) starts.push_back(i);
   starts.push_back(order.size());
-  std::vector<Gls> result(positions.size());
+  std::vector<Gls> result(order.size());
   task.report("fitting spheres", 0);
   tbb::parallel_for(std::size_t{0}, starts.size() - 1, [&](std::size_t cell) {
     if (task.stopped()) return;
     thread_local ClusterColumns around;
+    thread_local ClusterColumns near;
     around.clear();
-    grid.gather(grid.cell_of(positions[order[starts[cell]].second] - state_->origin), around);
+    grid.gather(grid.cell_of(place(order[starts[cell]].second)), around);
     around.pad(kBlock);
-    for (std::size_t i = starts[cell]; i < starts[cell + 1]; ++i) {
-      const std::uint32_t point = order[i].second;
-      result[point] =
-          gls_of(fit_sphere(weighted_sums(around, positions[point] - state_->origin, state_->scales[scale])));
-    }
+    const auto points = std::span(order).subspan(starts[cell], starts[cell + 1] - starts[cell]);
+    for_groups(points, place, t, [&](auto group) {
+      const bool looks = group.size() >= kWorthLooking;
+      if (looks) {
+        Eigen::AlignedBox3d box;
+        for (const auto& [key, point] : group) box.extend(place(point));
+        near.clear();
+        near.append_near(around, box, t);
+        near.pad(kBlock);
+      }
+      const ClusterColumns& clusters = looks ? near : around;
+      for (const auto& [key, point] : group)
+        result[point] = gls_of(fit_sphere(weighted_sums(clusters, place(point), t)));
+    });
   });
   if (task.stopped()) return cancelled();
   return result;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -10,6 +11,8 @@
 #include <armature/sdk/laplacian/sparse_factor.h>
 #include <tbb/parallel_for.h>
 
+#include "sdk/descriptors/tall_products.h"
+
 namespace armature::sdk {
 namespace {
 
@@ -17,44 +20,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kBlock = 10;
-constexpr Index kRows = 2048;    // of a tall matrix at a time
+constexpr Index kBlock = 8;
 constexpr double kShift = 0.05;  // sigma, of the highest value expected
+constexpr double kRounding = 1e-15;
+constexpr Index kMore = 80;  // directions that are tried in any case
 
-std::size_t chunks(Index rows) {
-  return static_cast<std::size_t>((rows + kRows - 1) / kRows);
-}
-template <class Work>
-void by_rows(Index rows, const Work& work) {
-  tbb::parallel_for(std::size_t{0}, chunks(rows), [&](std::size_t k) {
-    const Index begin = static_cast<Index>(k) * kRows;
-    work(k, begin, std::min(kRows, rows - begin));
-  });
-}
-
-/// a' b of tall matrices; sums in the order of the rows.
-MatrixXd dot(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
-  std::vector<MatrixXd> parts(chunks(a.rows()));
-  by_rows(a.rows(), [&](std::size_t k, Index begin, Index rows) {
-    parts[k].noalias() = a.middleRows(begin, rows).transpose() * b.middleRows(begin, rows);
-  });
-  MatrixXd sum = MatrixXd::Zero(a.cols(), b.cols());
-  for (const MatrixXd& part : parts) sum += part;
-  return sum;
-}
-/// w -= q c.
-void subtract(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const MatrixXd& c) {
-  by_rows(w.rows(), [&](std::size_t, Index begin, Index rows) {
-    w.middleRows(begin, rows).noalias() -= q.middleRows(begin, rows) * c;
-  });
-}
-/// q c.
-MatrixXd times(const Eigen::Ref<const MatrixXd>& q, const MatrixXd& c) {
-  MatrixXd result(q.rows(), c.cols());
-  by_rows(q.rows(), [&](std::size_t, Index begin, Index rows) {
-    result.middleRows(begin, rows).noalias() = q.middleRows(begin, rows) * c;
-  });
-  return result;
+/// Multiplies each row by a number.
+void scale_rows(Eigen::Ref<MatrixXd> w, const VectorXd& by) {
+  tbb::parallel_for(Index{0}, w.cols(), [&](Index k) { w.col(k).array() *= by.array(); });
 }
 
 /// Columns that look random and are the same every time.
@@ -97,37 +70,40 @@ MatrixXd constants_of(const Laplacian& laplacian, const VectorXd& root_mass, Ind
 }
 
 /// Makes the columns of w orthonormal, and to those of q, which they are nearly; `before` is how long they were before
-/// q was taken out. Where nothing new is left of a column it becomes a random one.
-void orthonormalise(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const VectorXd& before,
-                    const VectorXd& root_mass) {
-  // Rounding makes a column lean on q by 1e-16 / kEnough at most: half of the digits are enough (Simon 1984).
-  constexpr double kEnough = 1e-6;
+/// q was taken out. Where nothing new is left of a column it becomes a random one. `lean` is how far those columns of q
+/// that w came from lean on the others; returns how far w does: what is left of w is short, and leans by more (Simon
+/// 1984). Half of the digits are enough.
+double orthonormalise(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& q, const VectorXd& before,
+                      const VectorXd& root_mass, double lean) {
+  constexpr double kMostLean = 1e-9;
   constexpr double kNothing = 1e-12;
-  constexpr double kWellApart = 0.1;
-  bool leans = (w.colwise().norm().transpose().array() < kEnough * before.array()).any();
-  for (int pass = 0; pass < 4; ++pass) {
+  constexpr double kApart = 1e-6, kWellApart = 0.1;
+  constexpr int kPasses = 4;
+  lean += kRounding;
+  for (int pass = 0;; ++pass) {
+    const VectorXd whole = pass == 0 ? before : VectorXd::Ones(w.cols());
     VectorXd length = w.colwise().norm();
+    bool anew = false;
     for (Index k = 0; k < w.cols(); ++k) {
-      if (!(length[k] > (pass == 0 ? kNothing * before[k] : kNothing))) {
+      if (!(length[k] > kNothing * whole[k])) {
         scatter(w.col(k), static_cast<std::uint64_t>(q.cols() + k + 1));
         w.col(k).array() *= root_mass.array();
         length[k] = w.col(k).norm();
-        leans = true;
+        anew = true;
       }
       w.col(k) /= length[k];
     }
-    if (leans) subtract(w, q, dot(q, w));
-    leans = false;
     const Eigen::LLT<MatrixXd> gram(dot(w, w));  // Cholesky QR
     const double least = gram.info() == Eigen::Success ? gram.matrixLLT().diagonal().minCoeff() : 0;
-    if (least > kEnough) {
-      const MatrixXd one = MatrixXd::Identity(w.cols(), w.cols());
-      w = times(w, gram.matrixU().solve(one));
-      if (least > kWellApart) return;
-      continue;
+    if (least > kApart) {
+      w = times(w, gram.matrixU().solve(MatrixXd::Identity(w.cols(), w.cols())));
+    } else {
+      for (Index k = 1; k < w.cols(); ++k) w.col(k) -= w.leftCols(k) * (w.leftCols(k).transpose() * w.col(k)).eval();
     }
-    for (Index k = 1; k < w.cols(); ++k) w.col(k) -= w.leftCols(k) * (w.leftCols(k).transpose() * w.col(k)).eval();
-    leans = true;
+    lean *= whole.cwiseQuotient(length).maxCoeff() / std::max(least, kApart);
+    if ((!anew && least > kWellApart && lean < kMostLean) || pass == kPasses) return lean;
+    subtract(w, q, dot(q, w));
+    lean = kRounding;
   }
 }
 
@@ -155,7 +131,7 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   if (!factor) return tl::unexpected(factor.error());
 
   // Q' A Q with A = M^1/2 (L + sigma M)^-1 M^1/2, whose largest values belong to the lowest of L.
-  const Index most = std::min(live, at_most_live(options.most) * count + 2 * kBlock);
+  const Index most = std::min(live, at_most_live(options.most) * count + kMore);
   MatrixXd q(n, most);
   MatrixXd projected = MatrixXd::Zero(most, most);
   // Constants are known, and as many as components: blocks would miss some of more than their width.
@@ -170,20 +146,15 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
   VectorXd before = w.colwise().norm();
   subtract(w, constants, dot(constants, w));
-  MatrixXd left;  // by wanted pair: what A q leaves outside of all directions, of w
+  MatrixXd left;                  // by wanted pair: what A q leaves outside of all directions, of w
+  std::array<double, 2> leans{};  // of the last two blocks, which A times the last is made of but for what is new
   while (true) {
-    orthonormalise(w, q.leftCols(size), before, root_mass);
+    const double lean = orthonormalise(w, q.leftCols(size), before, root_mass, std::max(leans[0], leans[1]));
+    leans = {leans[1], lean};
     q.middleCols(size, width) = w;
-    by_rows(n, [&](std::size_t, Index begin, Index rows) {
-      w.middleRows(begin, rows).array().colwise() *= root_mass.segment(begin, rows).array();
-    });
-    tbb::parallel_for(Index{0}, Index{2}, [&](Index half) {
-      const Index begin = half * width / 2;
-      factor->solve(w.middleCols(begin, (half + 1) * width / 2 - begin));
-    });
-    by_rows(n, [&](std::size_t, Index begin, Index rows) {
-      w.middleRows(begin, rows).array().colwise() *= root_mass.segment(begin, rows).array();
-    });
+    scale_rows(w, root_mass);
+    factor->solve(w);
+    scale_rows(w, root_mass);
     before = w.colwise().norm();
     const MatrixXd column = dot(q.leftCols(size + width), w);
     projected.block(0, size, size + width, width) = column;

@@ -1,5 +1,6 @@
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -29,17 +30,21 @@ Expected<std::vector<EditRegion>> regions_of(const Surface& surface, std::span<c
   return regions;
 }
 
+// A handle holds what is within so much of the radius of a disc as large as the region, firmly in the middle: a single
+// vertex would draw more or less of its surroundings with it as the mesh is finer or coarser.
+constexpr double kHandle = 0.25, kFirmly = 100;
+
 /// How far a handle draws every vertex: 1 at the vertex nearest to it off the boundary, 0 at the boundary; without a
 /// boundary it fades over the region's own size.
 Expected<std::vector<double>> drawn_by_handle(const EditRegion& region, const Eigen::Vector3d& handle,
                                               const Task& task) {
   const auto n = static_cast<Eigen::Index>(region.mesh.positions.size());
   Eigen::Index nearest = -1;
-  double least2 = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd distance2(n);
   for (Eigen::Index v = 0; v < n; ++v) {
+    distance2[v] = (region.mesh.positions[static_cast<std::size_t>(v)] - handle).squaredNorm();
     if (region.inside[static_cast<std::size_t>(v)] == 0) continue;
-    const double distance2 = (region.mesh.positions[static_cast<std::size_t>(v)] - handle).squaredNorm();
-    if (distance2 < least2) least2 = distance2, nearest = v;
+    if (nearest < 0 || distance2[v] < distance2[nearest]) nearest = v;
   }
   if (nearest < 0) return std::vector<double>(region.mesh.positions.size(), 0.0);  // all boundary
   const Laplacian of_region = laplacian(region.mesh, Adjacency(region.mesh));
@@ -47,11 +52,18 @@ Expected<std::vector<double>> drawn_by_handle(const EditRegion& region, const Ei
   Eigen::SparseMatrix<double> A = of_region.stiffness;
   const double weight = 1e4 * A.diagonal().mean();
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  const double radius2 = kHandle * kHandle * area / std::numbers::pi + distance2[nearest];
   for (Eigen::Index v = 0; v < n; ++v) {
     A.coeffRef(v, v) += area > 0 ? of_region.mass[v] / area : 1;
-    if (region.inside[static_cast<std::size_t>(v)] == 0 || v == nearest) A.coeffRef(v, v) += weight;
+    const double within = std::max(0.0, 1 - distance2[v] / radius2);
+    if (region.inside[static_cast<std::size_t>(v)] == 0) {
+      A.coeffRef(v, v) += weight;
+    } else if (radius2 > 0 && within > 0) {
+      b[v] = kFirmly / radius2 * within * within * of_region.mass[v];
+      A.coeffRef(v, v) += b[v];
+    }
   }
-  b[nearest] = weight;
+  if (!(b.sum() > 0)) A.coeffRef(nearest, nearest) += b[nearest] = weight;
   const auto factor = SparseFactor::of(A, region.mesh.positions, task);
   if (!factor) return tl::unexpected(factor.error());
   factor->solve(b);

@@ -7,16 +7,19 @@
 #include <vector>
 
 #include <armature/sdk/laplacian/sparse_factor.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
 #include "sdk/laplacian/block_structure.h"
 #include "sdk/laplacian/factorisation.h"
+#include "sdk/laplacian/four_columns.h"
 
 namespace armature::sdk {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using ConstPanel = Eigen::Map<const MatrixXd>;
 
 /// The columns of a block: what they hold and which rows.
@@ -65,14 +68,14 @@ struct SparseFactor::State {
   }
 
   /// x = L^-1 b in the new order, where only blocks above an entry differ from zero.
-  MatrixXd forward(std::span<const Entry> b) const;
+  VectorXd forward(std::span<const Entry> b) const;
   /// x = L^-1 x for the rows of a block, and what that takes from the rows below; x in the new order.
-  void forward(std::size_t block, Eigen::Ref<MatrixXd> x) const;
+  void forward(std::size_t block, Eigen::Ref<VectorXd> x) const;
   /// x = L^-T x for the rows of a block, given those below.
-  void backward(std::size_t block, Eigen::Ref<MatrixXd> x) const;
+  void backward(std::size_t block, Eigen::Ref<VectorXd> x) const;
   /// All blocks backward, parents first, subtrees side by side.
-  void backward(Eigen::Ref<MatrixXd> x) const;
-  void backward_subtree(std::uint32_t block, Eigen::Ref<MatrixXd>& x) const;
+  void backward(Eigen::Ref<VectorXd> x) const;
+  void backward_subtree(std::uint32_t block, Eigen::Ref<VectorXd>& x) const;
 };
 
 Expected<SparseFactor> SparseFactor::of(const Eigen::SparseMatrix<double>& matrix,
@@ -179,58 +182,42 @@ void SparseFactor::reset() {
   state_->changed.clear();
 }
 
-void SparseFactor::State::forward(std::size_t block, Eigen::Ref<MatrixXd> x) const {
+void SparseFactor::State::forward(std::size_t block, Eigen::Ref<VectorXd> x) const {
   const auto& [L, rows, first, width, below] = at(block);
-  if (x.cols() == 1) {
-    double* own = x.data() + first;
-    thread_local Eigen::VectorXd taken;
-    taken.setZero(below);
-    for (Index k = 0; k < width; ++k) {
-      if (own[k] == 0) continue;
-      own[k] /= L(k, k);
-      Eigen::Map<Eigen::VectorXd>(own + k + 1, width - k - 1) -= own[k] * L.col(k).segment(k + 1, width - k - 1);
-      taken += own[k] * L.col(k).tail(below);
-    }
-    for (std::size_t i = 0; i < rows.size(); ++i) x(rows[i], 0) -= taken[static_cast<Index>(i)];
-    return;
+  double* own = x.data() + first;
+  thread_local VectorXd taken;
+  taken.setZero(below);
+  for (Index k = 0; k < width; ++k) {
+    if (own[k] == 0) continue;
+    own[k] /= L(k, k);
+    Eigen::Map<VectorXd>(own + k + 1, width - k - 1) -= own[k] * L.col(k).segment(k + 1, width - k - 1);
+    taken += own[k] * L.col(k).tail(below);
   }
-  auto own = x.middleRows(first, width);
-  L.topRows(width).triangularView<Eigen::Lower>().solveInPlace(own);
-  if (below == 0) return;
-  const MatrixXd taken = L.bottomRows(below) * own;
-  for (std::size_t i = 0; i < rows.size(); ++i) x.row(rows[i]) -= taken.row(static_cast<Index>(i));
+  for (std::size_t i = 0; i < rows.size(); ++i) x[rows[i]] -= taken[static_cast<Index>(i)];
 }
 
-MatrixXd SparseFactor::State::forward(std::span<const Entry> b) const {
-  MatrixXd x = MatrixXd::Zero(static_cast<Index>(structure->order.size()), 1);
-  for (const auto& [vertex, value] : b) x(structure->new_place[vertex.index()], 0) += value;
+VectorXd SparseFactor::State::forward(std::span<const Entry> b) const {
+  VectorXd x = VectorXd::Zero(static_cast<Index>(structure->order.size()));
+  for (const auto& [vertex, value] : b) x[structure->new_place[vertex.index()]] += value;
   for (const std::uint32_t block : blocks_above(b, [](const Entry& entry) { return entry.vertex; })) forward(block, x);
   return x;
 }
 
-void SparseFactor::State::backward(std::size_t block, Eigen::Ref<MatrixXd> x) const {
+void SparseFactor::State::backward(std::size_t block, Eigen::Ref<VectorXd> x) const {
   const auto& [L, rows, first, width, below] = at(block);
-  if (x.cols() == 1) {
-    thread_local Eigen::VectorXd known;
-    known.resize(below);
-    for (std::size_t i = 0; i < rows.size(); ++i) known[static_cast<Index>(i)] = x(rows[i], 0);
-    double* own = x.data() + first;
-    for (Index k = width; k-- > 0;) {
-      const Index within = width - k - 1;
-      const double sum = L.col(k).segment(k + 1, within).dot(Eigen::Map<Eigen::VectorXd>(own + k + 1, within)) +
-                         L.col(k).tail(below).dot(known);
-      own[k] = (own[k] - sum) / L(k, k);
-    }
-    return;
+  thread_local VectorXd known;
+  known.resize(below);
+  for (std::size_t i = 0; i < rows.size(); ++i) known[static_cast<Index>(i)] = x[rows[i]];
+  double* own = x.data() + first;
+  for (Index k = width; k-- > 0;) {
+    const Index within = width - k - 1;
+    const double sum = L.col(k).segment(k + 1, within).dot(Eigen::Map<VectorXd>(own + k + 1, within)) +
+                       L.col(k).tail(below).dot(known);
+    own[k] = (own[k] - sum) / L(k, k);
   }
-  MatrixXd known(below, x.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) known.row(static_cast<Index>(i)) = x.row(rows[i]);
-  auto own = x.middleRows(first, width);
-  if (below > 0) own.noalias() -= L.bottomRows(below).transpose() * known;
-  L.topRows(width).triangularView<Eigen::Lower>().transpose().solveInPlace(own);
 }
 
-void SparseFactor::State::backward_subtree(std::uint32_t block, Eigen::Ref<MatrixXd>& x) const {
+void SparseFactor::State::backward_subtree(std::uint32_t block, Eigen::Ref<VectorXd>& x) const {
   backward(block, x);
   tbb::task_group group;
   for (const std::uint32_t child : structure->children[block]) {
@@ -243,7 +230,7 @@ void SparseFactor::State::backward_subtree(std::uint32_t block, Eigen::Ref<Matri
   group.wait();
 }
 
-void SparseFactor::State::backward(Eigen::Ref<MatrixXd> x) const {
+void SparseFactor::State::backward(Eigen::Ref<VectorXd> x) const {
   tbb::task_group group;
   for (std::uint32_t b = 0; b < structure->blocks(); ++b)
     if (structure->parents[b] == BlockStructure::kRoot) group.run([this, b, &x] { backward_subtree(b, x); });
@@ -253,33 +240,42 @@ void SparseFactor::State::backward(Eigen::Ref<MatrixXd> x) const {
 void SparseFactor::solve(Eigen::Ref<MatrixXd> b) const {
   const BlockStructure& structure = *state_->structure;
   const auto n = static_cast<Index>(structure.order.size());
-  // A few columns at a time, so that they stay in the cache while the factor streams past.
-  constexpr Index kTogether = 16;
-  for (Index begin = 0; begin < b.cols(); begin += kTogether) {
-    auto columns = b.middleCols(begin, std::min(kTogether, b.cols() - begin));
-    MatrixXd x(n, columns.cols());
-    for (Index i = 0; i < n; ++i) x.row(i) = columns.row(structure.order[static_cast<std::size_t>(i)]);
+  const auto old = [&](Index i) { return static_cast<Index>(structure.order[static_cast<std::size_t>(i)]); };
+  if (b.cols() == 1) {
+    VectorXd x(n);
+    for (Index i = 0; i < n; ++i) x[i] = b(old(i), 0);
     for (std::size_t block = 0; block < structure.blocks(); ++block) state_->forward(block, x);
     state_->backward(x);
-    for (Index i = 0; i < n; ++i) columns.row(structure.order[static_cast<std::size_t>(i)]) = x.row(i);
+    for (Index i = 0; i < n; ++i) b(old(i), 0) = x[i];
+    return;
   }
+  tbb::parallel_for(Index{0}, (b.cols() + 3) / 4, [&](Index group) {
+    auto columns = b.middleCols(4 * group, std::min<Index>(4, b.cols() - 4 * group));
+    std::vector<double> x(4 * structure.order.size(), 0.0);
+    Eigen::Map<Eigen::Matrix<double, 4, Eigen::Dynamic>> by_row(x.data(), 4, n);
+    for (Index k = 0; k < columns.cols(); ++k)
+      for (Index i = 0; i < n; ++i) by_row(k, i) = columns(old(i), k);
+    solve_four(structure, state_->values, x);
+    for (Index k = 0; k < columns.cols(); ++k)
+      for (Index i = 0; i < n; ++i) columns(old(i), k) = by_row(k, i);
+  });
 }
 
-Eigen::VectorXd SparseFactor::solve(std::span<const Entry> b) const {
+VectorXd SparseFactor::solve(std::span<const Entry> b) const {
   const BlockStructure& structure = *state_->structure;
-  MatrixXd x = state_->forward(b);
+  VectorXd x = state_->forward(b);
   state_->backward(x);
-  Eigen::VectorXd result(x.rows());
-  for (Index i = 0; i < x.rows(); ++i) result[structure.order[static_cast<std::size_t>(i)]] = x(i, 0);
+  VectorXd result(x.size());
+  for (Index i = 0; i < x.size(); ++i) result[structure.order[static_cast<std::size_t>(i)]] = x[i];
   return result;
 }
 
 void SparseFactor::solve(std::span<const Entry> b, std::span<const VertexId> wanted, std::span<double> x) const {
   const BlockStructure& structure = *state_->structure;
-  MatrixXd y = state_->forward(b);
+  VectorXd y = state_->forward(b);
   const auto blocks = state_->blocks_above(wanted, [](VertexId vertex) { return vertex; });
   for (std::size_t i = blocks.size(); i-- > 0;) state_->backward(blocks[i], y);
-  for (std::size_t i = 0; i < wanted.size(); ++i) x[i] = y(structure.new_place[wanted[i].index()], 0);
+  for (std::size_t i = 0; i < wanted.size(); ++i) x[i] = y[structure.new_place[wanted[i].index()]];
 }
 
 }  // namespace armature::sdk

@@ -15,6 +15,8 @@ namespace armature::sdk {
 
 /// Four numbers side by side.
 using Four = double __attribute__((vector_size(32)));
+/// The same wherever they are in memory.
+using FourAnywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
 
 /// Four rows of four become four columns.
 ARMATURE_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {

@@ -67,6 +67,16 @@ TEST(Spectrum, IsWholeForASmallMesh) {
   EXPECT_FALSE(spectrum(Mesh{.positions = {{0, 0, 0}}}, laplacian_of(Mesh{.positions = {{0, 0, 0}}})));
 }
 
+TEST(Spectrum, ConvergesOnRegularSheetsAndForFewPairs) {
+  // Directions that are made orthogonal once lean on one another more and more as pairs converge.
+  for (const int cells : {15, 30})
+    for (const std::size_t count : {5U, 20U, 100U}) {
+      const Spectrum s = spectrum_of(sheet(cells, false), {.count = count});
+      EXPECT_EQ(s.converged, count) << cells;
+      EXPECT_GT(s.values[1], 1);
+    }
+}
+
 TEST(Spectrum, IsTheSameOnOneThread) {
   const Mesh mesh = surfaces::torus(2, 0.7, 120, 40, 0.3);
   const Spectrum many = spectrum_of(mesh, {.count = 30});

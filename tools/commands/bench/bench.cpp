@@ -8,6 +8,7 @@ void add_bench(CLI::App& app, Run& run) {
   add_bench_collapse(*bench, run);
   add_bench_deform(*bench, run);
   add_bench_decimate(*bench, run);
+  add_bench_descriptors(*bench, run);
   add_bench_select(*bench, run);
   add_bench_idle(*bench, run);
   add_bench_soak(*bench, run);

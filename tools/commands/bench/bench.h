@@ -8,6 +8,7 @@ namespace armature::tools {
 void add_bench_collapse(CLI::App& bench, Run& run);
 void add_bench_deform(CLI::App& bench, Run& run);
 void add_bench_decimate(CLI::App& bench, Run& run);
+void add_bench_descriptors(CLI::App& bench, Run& run);
 void add_bench_select(CLI::App& bench, Run& run);
 void add_bench_idle(CLI::App& bench, Run& run);
 void add_bench_soak(CLI::App& bench, Run& run);

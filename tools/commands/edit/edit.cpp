@@ -97,8 +97,9 @@ template <auto signature>
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& surface, std::span<const sdk::FaceId>,
                                                          const sdk::Task& task) {
   const sdk::Laplacian laplacian = sdk::laplacian(surface.mesh, surface.adjacency);
-  // A map needs no more digits; where a mesh has slivers, rounding leaves no more than five or six.
-  const sdk::SpectrumOptions options{.tolerance = 1e-4};
+  // A map needs no more digits than that; where a mesh has slivers, rounding leaves five or six.
+  constexpr double kEnough = 1e-4;
+  const sdk::SpectrumOptions options;
   const auto components = sdk::find_components(surface.mesh, surface.adjacency, sdk::LinkedBy::Vertices).count;
   if (components >= options.count)
     return sdk::fail(
@@ -107,8 +108,15 @@ sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& sur
                     components, options.count));
   const auto spectrum = sdk::spectrum(surface.mesh, laplacian, options, task);
   if (!spectrum) return tl::unexpected(spectrum.error());
-  if (spectrum->converged < static_cast<std::size_t>(spectrum->values.size()))
-    return sdk::fail("the Laplacian's eigenfunctions did not converge; try --map gls");
+  const double worst = spectrum->residuals.maxCoeff();
+  if (!(worst <= kEnough))
+    return sdk::fail(fmt::format(
+        "the Laplacian's eigenfunctions did not converge: a residual of {:.1e}, expected {:.0e}; try --map gls", worst,
+        kEnough));
+  if (worst > options.tolerance)
+    fmt::print(stderr,
+               "note: the map is less exact than usual: residuals of eigenfunctions are up to {:.1e}, not {:.0e}\n",
+               worst, options.tolerance);
   return signature(*spectrum, laplacian);
 }
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> psc(const sdk::Surface& surface, std::span<const sdk::FaceId> reference,

@@ -24,7 +24,7 @@ struct Spectrum {
 struct SpectrumOptions {
   std::size_t count = 100;  ///< eigenpairs; as many as there are vertices with faces if that is less
   double tolerance = 1e-6;  ///< of a residual, to count as converged
-  std::size_t most = 5;     ///< times as many directions are tried before it ends with what has converged
+  std::size_t most = 5;     ///< times as many directions, and 80 more, are tried before it ends with what has converged
 };
 
 /// Block Lanczos on the inverse of L + sigma M (Grimes, Lewis, Simon 1994), every direction made orthogonal to all

@@ -22,8 +22,8 @@ struct DisplaceEdit {
 struct SmoothEdit {
   double length = 0;  ///< in the model's unit
 };
-/// A handle at a point of the reference is moved and draws the region with it: all where it is, nothing at the
-/// boundary, harmonic in between.
+/// A handle at a point of the reference is moved and draws the region with it: all where it is, which is a disc of a
+/// quarter of the region's radius that lets go towards its rim, nothing at the boundary, harmonic in between.
 struct HandleEdit {
   Eigen::Vector3d point;  ///< on the reference
   Eigen::Vector3d by;     ///< how far it is moved
