@@ -194,10 +194,11 @@ void CaptureProcess::State::supervise() {
     set_trouble(info.uri + ": " + how);
     recovery.process_ended(now);
   }
-  if (child.running() && recovery.hangs(now - std::max(frames.last_alive(), started), reader())) {
+  if (const Reader at = reader();
+      at != Reader::Gone && recovery.hangs(now - std::max(frames.last_alive(), started), at)) {
     set_trouble(info.uri + ": the capture process hangs and is started again");
     child.end();
-    recovery.process_ended(now);
+    recovery.process_ended(now, at);
   }
   const Reader seen = reader();
   if (const std::string text = frames.trouble(); seen == Reader::Waiting && !text.empty()) set_trouble(text);

@@ -37,9 +37,12 @@ class Recovery {
     silent_since_ = now;
     tried_ = 0;
     waits_ = 0;
+    hung_opening_ = 0;
   }
-  /// The process is gone. It is started again after a pause that doubles from 100 ms to 2 s while no frame comes.
-  void process_ended(Time now) noexcept {
+  /// The process is gone; what it was at if it was killed because it hangs(). It is started again after a pause that
+  /// doubles from 100 ms to 2 s while no frame comes.
+  void process_ended(Time now, Reader hung_at = Reader::Gone) noexcept {
+    if (hung_at == Reader::Opening) ++hung_opening_;
     tried_ = std::max(tried_, kProcess);
     due_ = std::max(now + pause(), last_start_ + pause());
   }
@@ -52,12 +55,12 @@ class Recovery {
   }
 
   /// Whether a process that has not come round its loop for so long hangs in the device library. To open a device takes
-  /// longer than to read from it: 3 s, and more once the process was ended or restarted in vain, for a device that is
-  /// slower than we think.
+  /// longer than to read from it: 3 s, then 6 and 12 while it is killed for that, for a device that is slower than we
+  /// think.
   [[nodiscard]] bool hangs(Time unheard_of, Reader reader) const noexcept {
     using namespace std::chrono_literals;
     if (reader != Reader::Opening) return unheard_of > 2s;
-    return unheard_of > 3s * (1 << std::clamp(tried_ - kProcess, 0, 2));
+    return unheard_of > 3s * (1 << std::min(hung_opening_, 2));
   }
 
   /// What is due now; each step once.
@@ -66,6 +69,7 @@ class Recovery {
     if (reader == Reader::Gone) return now >= due_ ? Step::RestartProcess : Step::None;
     if (reader != Reader::Streaming) {
       silent_since_ = now;
+      if (reader == Reader::Waiting) hung_opening_ = 0;
       const Time patience = std::min<Time>(10s * (1 << std::min(waits_, 3)), 60s);
       if (reader == Reader::Opening || now - waiting_since_ < patience) return Step::None;
       ++waits_;
@@ -99,8 +103,9 @@ class Recovery {
   }
 
   Time silent_since_{0}, waiting_since_{0}, due_{0}, last_start_{0};
-  int tried_ = 0;  // steps since the last frame; from kProcess on, starts of the process
-  int waits_ = 0;  // in vain, since the last frame
+  int tried_ = 0;         // steps since the last frame; from kProcess on, starts of the process
+  int waits_ = 0;         // in vain, since the last frame
+  int hung_opening_ = 0;  // processes killed in the midst of opening, since one came back from it
 };
 
 }  // namespace armature

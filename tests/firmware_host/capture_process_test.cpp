@@ -149,6 +149,7 @@ enum class Library : std::uint8_t {
   Notices,
   WaitsForFrames,  ///< that never come, once it is open
   Hangs,           ///< in the call that it is in
+  HangsTwice,      ///< and in the first call that opens the device once it is back
 };
 
 /// From replug to frames: a process that reads a device whose plug is pulled `at` after its start and put back `away`
@@ -158,16 +159,18 @@ std::chrono::nanoseconds replug_to_frames(Library library, std::chrono::nanoseco
   recovery.process_started(0s);
   Reader reader = Reader::Opening;
   std::chrono::nanoseconds began = 0s, heard = 0s;
-  bool stuck = false;
+  bool stuck = false, stumbled = library != Library::HangsTwice;
   for (std::chrono::nanoseconds now = 0s; now < at + away + 100s; now += 10ms) {
     const bool there = now < at || now >= at + away;
     switch (reader) {
       case Reader::Opening:
         if (stuck) break;
-        if (!there && (library != Library::Hangs || now == began))
+        if (!there && (library < Library::Hangs || now == began))
           reader = Reader::Waiting, began = now;
         else if (!there)
           stuck = true;
+        else if (now >= at + away && !stumbled)
+          stuck = stumbled = true;
         else if (now - began >= 1200ms)
           reader = Reader::Streaming;
         break;
@@ -191,7 +194,7 @@ std::chrono::nanoseconds replug_to_frames(Library library, std::chrono::nanoseco
     else if (!stuck || library == Library::WaitsForFrames)
       heard = now;
     if (reader != Reader::Gone && recovery.hangs(now - heard, reader)) {
-      recovery.process_ended(now);
+      recovery.process_ended(now, reader);
       reader = Reader::Gone;
     }
     if (recovery.step(now, reader) == Recovery::Step::RestartProcess) {
@@ -214,6 +217,16 @@ TEST(Recovery, BringsFramesBackWithinFiveSecondsOfAReplug) {
   }
 }
 
+/// A read that hangs is given 2 s, an open 3 s; a device opens in 1.2 s, and there are pauses between.
+TEST(Recovery, GivesAnOpenThatHangsAfterAReadDidItsThreeSeconds) {
+  for (std::chrono::nanoseconds at = 1500ms; at < 2s; at += 50ms) {
+    for (std::chrono::nanoseconds away = 10ms; away < 20s; away = away * 5 / 4 / 10ms * 10ms + 10ms) {
+      EXPECT_LE(replug_to_frames(Library::HangsTwice, at, away), away < 2s ? 2s + 3s + 1200ms + 400ms : 5s)
+          << "pulled after " << at / 1ms << " ms, away for " << away / 1ms << " ms";
+    }
+  }
+}
+
 TEST(Recovery, BearsWithALibraryThatTakesLongToOpenOnceItWasKilledForIt) {
   Recovery recovery;
   recovery.process_started(0s);
@@ -223,7 +236,7 @@ TEST(Recovery, BearsWithALibraryThatTakesLongToOpenOnceItWasKilledForIt) {
     auto seconds = 1s;
     while (!recovery.hangs(seconds, Reader::Opening)) ++seconds;
     patience.push_back(seconds - 1s);
-    recovery.process_ended(0s);
+    recovery.process_ended(0s, Reader::Opening);
     recovery.process_started(0s);
   }
   EXPECT_EQ(patience, (std::vector{3s, 6s, 12s, 12s}));

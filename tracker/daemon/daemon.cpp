@@ -122,12 +122,11 @@ Expected<void> Daemon::run(const std::stop_token& stop) {
   return {};
 }
 
-/// Once a size of images.
+/// Says once that they do not go together.
 void Daemon::State::compare_background(const Intrinsics& image) {
   const auto& empty = config.tracker.segmentation.background;
-  if (empty == nullptr || (image.width == compared.width && image.height == compared.height)) return;
-  compared = image;
-  if (empty->fits(image)) return;
+  if (empty == nullptr || said_background_misfits || empty->fits(image)) return;
+  said_background_misfits = true;
   say(wire::EventKind::Warning,
       fmt::format("{} is {} x {}, the sensor's image {} x {}: the background is learned from what is seen; make it "
                   "anew with `armature doctor --site URI --background FILE`",

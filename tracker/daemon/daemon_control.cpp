@@ -77,7 +77,7 @@ Expected<void> Daemon::State::reload() {
   config = std::move(*read);
   pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
   pipeline->reset(capture.info().intrinsics);
-  compared = {};
+  said_background_misfits = false;
   metrics.reloads.fetch_add(1, std::memory_order_relaxed);
   say(wire::EventKind::ConfigReloaded, note);
   return {};

@@ -69,7 +69,7 @@ struct Daemon::State {
   float frames_per_second = 0;
   bool silent = false;
   FrameGuard guard;
-  Intrinsics compared;  // with the stored background
+  bool said_background_misfits = false;
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;
   Metrics metrics;
