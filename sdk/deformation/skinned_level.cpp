@@ -6,6 +6,8 @@
 #include <armature/sdk/distance/sphere_mesh_tree.h>
 #include <armature/sdk/mesh/measures.h>
 
+#include "sdk/deformation/kept_volume.h"
+
 namespace armature::sdk {
 
 using Eigen::Vector3d;
@@ -19,6 +21,7 @@ void SkinnedLevel::set_level(SkinWeights weights, SphereMesh shape) {
   weights_ = std::move(weights);
   shape_ = std::move(shape);
   outward_.clear();
+  at_rest_.reset();
 }
 
 void SkinnedLevel::set_rest(std::vector<Vector3d>& positions, std::vector<Sphere> spheres) {
@@ -26,6 +29,7 @@ void SkinnedLevel::set_rest(std::vector<Vector3d>& positions, std::vector<Sphere
   mesh_.positions.swap(positions);
   shape_.spheres = std::move(spheres);
   outward_.clear();
+  at_rest_.reset();
 }
 
 void SkinnedLevel::find_outward(const WeightColumn& column) {
@@ -46,9 +50,20 @@ void SkinnedLevel::find_outward(const WeightColumn& column) {
   }
 }
 
-void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out) {
-  if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; }))
-    return skin(weights_, motions, blend, mesh_.positions, out);
+void SkinnedLevel::keep_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
+  if (!closed_) closed_ = is_closed(mesh_);
+  if (!*closed_) return;
+  if (!at_rest_)
+    at_rest_ = AtRest{outward_by_radius(mesh_, weights_, shape_.spheres), six_volumes(mesh_, mesh_.positions)};
+  armature::sdk::keep_volume(mesh_, at_rest_->outward, weights_, motions, at_rest_->six_volumes, out);
+}
+
+void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, bool volume_too) {
+  if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; })) {
+    skin(weights_, motions, blend, mesh_.positions, out);
+    if (volume_too && blend == Blend::DualQuaternions) keep_volume(motions, out);
+    return;
+  }
   std::ranges::copy(mesh_.positions, out.begin());
   for (std::size_t s = 0; s < motions.size(); ++s) {
     const double swelling = motions[s].swelling();

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include <armature/sdk/deformation/deform.h>
@@ -122,6 +123,56 @@ TEST(Deform, BendsAStraightCylinderOfCompactClustersWithoutLosingVolume) {
         }
     }
   }
+}
+
+/// What lies beyond x turns about (x, 0, 0).
+SphereMove hinge(const Shape& shape, std::size_t level, double x, double angle) {
+  return {.spheres = shape.spheres_where(level, [&](const Sphere& s) { return s.centre.x() > x; }),
+          .rotate = {0, 0, angle},
+          .about = Vector3d(x, 0, 0)};
+}
+
+TEST(Deform, KeepsTheVolumeWhereASharpBendWouldNot) {
+  for (const auto& [length, around, along] : {std::tuple{8.0, 96, 160}, {6.0 / 0.7, 32, 80}, {24.0, 32, 200}}) {
+    const Shape tube(tubes::tube(length, 1, 0, around, along), {.compactness = 0.01});
+    const double before = tubes::volume(tube.mesh);
+    for (const std::size_t level : {6, 10, 20})
+      for (const double x : {0.01, 0.15, -0.2})
+        for (const double angle : {0.5, 1.0, 1.5}) {
+          const std::vector move{hinge(tube, level, x * length, angle)};
+          if (move[0].spheres.empty()) continue;
+          const auto bent = deform(tube.mesh, tube.hierarchy, level, move);
+          EXPECT_NEAR(tubes::volume(*bent) / before, 1, 1e-9) << length << ' ' << level << ' ' << x << ' ' << angle;
+        }
+  }
+}
+
+TEST(Deform, KeepsTheVolumeOnlyWhereTurnsBlend) {
+  const Shape tube(tubes::tube(12, 0.5, 0.03, 32, 200));
+  const std::vector move{hinge(tube, 8, 1, 1.2)};
+  const auto kept = deform(tube.mesh, tube.hierarchy, 8, move);
+  const auto plain = deform(tube.mesh, tube.hierarchy, 8, move, {.keep_volume = false});
+  const double before = tubes::volume(tube.mesh);
+  EXPECT_LT(std::abs(tubes::volume(*kept) - before), 1e-9 * before);
+  EXPECT_GT(std::abs(tubes::volume(*plain) - before), 1e-5 * before);
+  std::size_t moved = 0;
+  for (std::size_t v = 0; v < kept->positions.size(); ++v) {
+    const bool differs = kept->positions[v] != plain->positions[v];
+    EXPECT_FALSE(differs && std::abs(tube.mesh.positions[v].x() - 1) > 4) << v;
+    moved += differs ? 1U : 0U;
+  }
+  EXPECT_GT(moved, 100U);
+  // What pulls or swells means to change it.
+  std::vector pull = move;
+  pull[0].translate = {0.1, 0, 0};
+  EXPECT_EQ(deform(tube.mesh, tube.hierarchy, 8, pull)->positions,
+            deform(tube.mesh, tube.hierarchy, 8, pull, {.keep_volume = false})->positions);
+  // An open mesh has none.
+  Mesh open = tube.mesh;
+  open.triangles.pop_back();
+  const Shape cut(open);
+  EXPECT_EQ(deform(cut.mesh, cut.hierarchy, 8, move)->positions,
+            deform(cut.mesh, cut.hierarchy, 8, move, {.keep_volume = false})->positions);
 }
 
 TEST(Deform, TwistsATubeWithoutLosingVolume) {

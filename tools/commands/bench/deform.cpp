@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <armature/sdk/deformation/refit.h>
+#include <armature/sdk/deformation/skinned_level.h>
 #include <armature/sdk/deformation/skinning.h>
 #include <armature/sdk/deformation/sphere_move.h>
 #include <armature/sdk/deformation/sphere_weights.h>
@@ -147,11 +148,16 @@ class DeformBench {
     };
     const double linear = time(sdk::Blend::Linear);
     const double dual = time(sdk::Blend::DualQuaternions);
+    sdk::SkinnedLevel level(skin, *hierarchy_.level(options_.spheres), mesh_);
+    const double kept =
+        fastest(5 * options_.rounds, [&] { level.move(motions, sdk::Blend::DualQuaternions, out, true); });
     const sdk::Refit refit(mesh_, hierarchy_);
     const double refit_ms = fastest(5 * options_.rounds, [&] { (void)refit.fit(nodes, out); });
     return say("influences", static_cast<double>(entries) / static_cast<double>(out.size()), "",
                "spheres that move a vertex, in the mean")
         .and_then([&] { return say("frame", dual, "ms", "all vertices by dual quaternions, all spheres moving"); })
+        .and_then(
+            [&] { return say("frame, volume kept", kept, "ms", "the same with the volume kept, as turns keep it"); })
         .and_then([&] { return say("frame, linear", linear, "ms", "the same by linear blending"); })
         .and_then([&] { return say("refit", refit_ms, "ms", "all spheres of the level, everything moved"); });
   }

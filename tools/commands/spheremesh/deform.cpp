@@ -33,6 +33,7 @@ struct Arguments {
   std::size_t level = 0;
   std::string weights = "clusters", blend = "dual-quaternions";
   double reach = sdk::HeatOptions{}.reach;
+  bool free_volume = false;
   bool similar = false;
   sdk::SwingOptions swing;
   bool json = false;
@@ -56,7 +57,8 @@ Expected<void> run_deform(const Arguments& arguments) {
   if (!moves) return fail(arguments.moves + ": " + moves.error().message);
   const sdk::DeformOptions options{.heat = {.reach = arguments.reach},
                                    .weights = choice_of(kWeights, arguments.weights),
-                                   .blend = choice_of(kBlends, arguments.blend)};
+                                   .blend = choice_of(kBlends, arguments.blend),
+                                   .keep_volume = !arguments.free_volume};
   const auto deformed = sdk::deform(mesh, hierarchy, arguments.level, *moves, options, call.task());
   if (!deformed) return fail(arguments.moves + ": " + deformed.error().message);
   const double deform_ms = milliseconds_since(start);
@@ -116,6 +118,8 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
   command->add_option("--blend", arguments->blend, "how the motions of spheres are blended")
       ->check(CLI::IsMember(names_of(kBlends)))
       ->capture_default_str();
+  command->add_flag("--free-volume", arguments->free_volume,
+                    "let moves that only turn change the volume of a closed mesh, as blending does");
   command
       ->add_option("--reach", arguments->reach,
                    "how far spheres blend into one another: weights fall by a factor e over so much of the diagonal")

@@ -25,6 +25,9 @@ struct DeformOptions {
   HeatOptions heat = {};                          ///< how weights spread
   WeightSource weights = WeightSource::Clusters;  ///< where they start from
   Blend blend = Blend::DualQuaternions;           ///< how motions are blended
+  /// Moves that only turn, by dual quaternions, leave the volume of a closed mesh as it was: see
+  /// `SkinnedLevel::move()`.
+  bool keep_volume = true;
 };
 
 /// Whether a hierarchy was built from a mesh: it has as many vertices, in the same places within rounding. Fails with

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,13 @@ class SkinnedLevel {
   /// Where all vertices go, [V]. Where spheres swell, the surface goes away from the nearest point of the sphere-mesh
   /// by what they swell, less where it lies further in: a tube becomes thicker, not longer. Then comes `skin()`. The
   /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
-  void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out);
+  ///
+  /// With `keep_volume` and dual quaternions, a closed mesh has the volume afterwards that it had: where turns blend,
+  /// which bulges or thins it, the surface moves along its normals, by at most half of the spheres' radius (after von
+  /// Funck, Theisel, Seidel 2008). What turns as a whole stays. For motions that turn spheres; others mean to change
+  /// the volume.
+  void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
+            bool keep_volume = false);
 
   /// Another level of the same mesh.
   void set_level(SkinWeights weights, SphereMesh shape);
@@ -34,12 +41,19 @@ class SkinnedLevel {
 
  private:
   void find_outward(const WeightColumn& column);
+  void keep_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
 
   SkinWeights weights_;
   SphereMesh shape_;
   Mesh mesh_;
   std::vector<Eigen::Vector3d> outward_;  // by vertex: where it goes when its sphere swells by 1; empty or found
   std::vector<bool> found_;
+  std::optional<bool> closed_;  // once a volume was to be kept, as the rest
+  struct AtRest {
+    std::vector<Eigen::Vector3d> outward;  // by vertex, as long as spheres are wide
+    double six_volumes;
+  };
+  std::optional<AtRest> at_rest_;
 };
 
 }  // namespace armature::sdk

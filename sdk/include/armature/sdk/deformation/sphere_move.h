@@ -26,6 +26,9 @@ struct SphereMove {
 /// What is wrong with a move of a level of so many spheres: names the field, and what was expected.
 [[nodiscard]] Expected<void> check(const SphereMove& move, std::size_t spheres);
 
+/// Whether a move turns spheres and does nothing else.
+[[nodiscard]] bool only_turns(const SphereMove& move) noexcept;
+
 /// Spheres that have not moved yet.
 [[nodiscard]] std::vector<SphereMotion> at_rest(std::span<const Sphere> spheres);
 
