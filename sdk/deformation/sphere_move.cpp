@@ -24,7 +24,7 @@ Expected<void> check(const SphereMove& move, std::size_t spheres) {
 }
 
 bool only_turns(const SphereMove& move) noexcept {
-  return move.translate.isZero(0) && move.scale == 1 && !move.radius && !move.rotate.isZero(0);
+  return move.translate.isZero(0) && move.scale == 1 && !move.radius;
 }
 
 std::vector<SphereMotion> at_rest(std::span<const Sphere> spheres) {

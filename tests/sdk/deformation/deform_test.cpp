@@ -221,9 +221,13 @@ TEST(Deform, IsTheSameOnAnyNumberOfThreads) {
   for (std::size_t s = 0; s < 12; ++s)
     moves.push_back(
         {.spheres = {SphereId(s)}, .translate = {0.1, 0, 0.05}, .rotate = Vector3d(1, 0.3, -0.2) * s, .scale = 1.1});
+  auto turns = moves;
+  for (SphereMove& move : turns) move = {.spheres = move.spheres, .rotate = move.rotate};
   const auto many = deform(shape.mesh, shape.hierarchy, 12, moves);
+  const auto many_turned = deform(shape.mesh, shape.hierarchy, 12, turns);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(deform(shape.mesh, shape.hierarchy, 12, moves)->positions, many->positions);
+  EXPECT_EQ(deform(shape.mesh, shape.hierarchy, 12, turns)->positions, many_turned->positions);
 }
 
 TEST(Deform, RefusesWhatDoesNotFit) {
