@@ -3,7 +3,8 @@
 #include <array>
 
 // The same operations with wider registers where the processor has them: the same results.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// (Programs end before main where the thread sanitizer instruments what chooses between them.)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define ARMATURE_LANES __attribute__((target_clones("avx2", "default")))
 #else
 #define ARMATURE_LANES

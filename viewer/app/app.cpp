@@ -112,13 +112,15 @@ sdk::Expected<void> App::draw_view(ViewPainter& painter, const std::shared_ptr<c
                                    int height, GLuint framebuffer, bool careful) {
   const int wide = static_cast<int>(area.size.x), high = static_cast<int>(area.size.y);
   if (auto painted = painter.paint(session_, model, wide, high, careful); !painted) return painted;
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, painter.picture());
+  const Painter& picture = painter.picture();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture.framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
   const int left = static_cast<int>(area.at.x);
   // OpenGL counts rows from below: the status bar is under the view.
   const int below = height - high;
   glDisable(GL_SCISSOR_TEST);
-  glBlitFramebuffer(0, 0, wide, high, left, below, left + wide, below + high, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, picture.width(), picture.height(), left, below, left + wide, below + high,
+                    GL_COLOR_BUFFER_BIT, picture.width() == wide ? GL_NEAREST : GL_LINEAR);
   return {};
 }
 

@@ -78,8 +78,9 @@ void section(const char* title);
 /// A row of buttons of which one is chosen; the one that was clicked, or -1.
 int choice_row(const char* id, int chosen, const std::vector<const char*>& names);
 bool accent_button(const char* label, float width = 0);
-/// One that stands in a line of text.
+/// One that stands in a line of text, and its padding.
 bool small_button(const char* label);
+ImVec2 small_padding();
 void hint(const char* text);
 ///@}
 

@@ -125,8 +125,13 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
 sdk::Expected<void> ViewPainter::paint_quickly(const Camera& camera, int width, int height) {
   if (mesh_->coarse() != nullptr) std::ranges::replace(drawings_, mesh_->fine(), mesh_->coarse());
   ++painted_;
-  auto painted = quick_.paint(drawings_, camera, width, height, {.samples_a_side = 1, .obscurance = false});
+  const auto start = std::chrono::steady_clock::now();
+  const int share = halves_ ? 2 : 1;
+  auto painted = quick_.paint(drawings_, camera, std::max(1, width / share), std::max(1, height / share),
+                              {.samples_a_side = 1, .obscurance = false});
   glFinish();
+  // All pixels take four times as long, at most.
+  halves_ = (halves_ ? 4 : 1) * milliseconds_since(start) > options_.slow_ms;
   return painted;
 }
 

@@ -16,7 +16,8 @@ class ViewPainter {
  public:
   struct Options {
     double fluent_ms = 25;                    ///< a careful picture that takes longer is left for when nothing moves,
-    double patience_ms = 30;                  ///< and then painted in bits of about so long
+    double patience_ms = 30;                  ///< and then painted in bits of about so long;
+    double slow_ms = 70;                      ///< after a quick one that takes longer they have half the pixels a side
     std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
     std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
   };
@@ -33,7 +34,8 @@ class ViewPainter {
   [[nodiscard]] sdk::Expected<void> paint(const Session& session, const std::shared_ptr<const Model>& model, int width,
                                           int height, bool careful);
   /// The framebuffer that holds it.
-  [[nodiscard]] GLuint picture() const noexcept { return (rough_ ? quick_ : careful_).framebuffer(); }
+  /// It may have fewer pixels than the view.
+  [[nodiscard]] const Painter& picture() const noexcept { return rough_ ? quick_ : careful_; }
   /// How many pictures it has painted.
   [[nodiscard]] std::size_t painted() const noexcept { return painted_; }
   /// Whether the picture is rougher or older than it could be and should be painted again soon.
@@ -78,6 +80,7 @@ class ViewPainter {
   bool rough_ = false;  // the careful picture is not done
   std::size_t painted_ = 0;
   double careful_ms_ = 0, spent_ms_ = 0;  // what the last careful picture took, and this one so far
+  bool halves_ = false;                   // quick pictures have half the pixels a side
 };
 
 }  // namespace armature::viewer

@@ -44,6 +44,8 @@ class Painter {
   /// Where the last picture is: sRGB bytes, the lowest row first.
   [[nodiscard]] GLuint framebuffer() const noexcept { return pixels_.get(); }
   [[nodiscard]] GLuint texture() const noexcept { return picture_.get(); }
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
   ///@}
 
  private:

@@ -46,7 +46,7 @@ class TheView : public ::testing::Test {
   Image painted() {
     const auto done = stage()->painter->paint(session, kWidth, kHeight, true);
     EXPECT_TRUE(done) << done.error().message;
-    glBindFramebuffer(GL_FRAMEBUFFER, stage()->painter->picture());
+    glBindFramebuffer(GL_FRAMEBUFFER, stage()->painter->picture().framebuffer());
     auto image = read_picture(kWidth, kHeight);
     EXPECT_TRUE(image) << image.error().message;  // no OpenGL error, too
     return *image;
@@ -184,7 +184,7 @@ TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
 
 TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
   // Any picture takes too long, any mesh is large: a ball of 40 x 40 cells.
-  auto painter = ViewPainter::create({.fluent_ms = -1, .most_fluent_faces = 0, .coarse_cells = 12});
+  auto painter = ViewPainter::create({.fluent_ms = -1, .slow_ms = 1e9, .most_fluent_faces = 0, .coarse_cells = 12});
   ASSERT_TRUE(painter) << painter.error().message;
   sdk::SphereMesh ball;
   ball.spheres = {{{0, 0, 0}, 1}};
@@ -194,7 +194,7 @@ TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
   const auto picture = [&](bool careful) {
     const auto done = painter->paint(session, kWidth, kHeight, careful);
     EXPECT_TRUE(done) << done.error().message;
-    glBindFramebuffer(GL_FRAMEBUFFER, painter->picture());
+    glBindFramebuffer(GL_FRAMEBUFFER, painter->picture().framebuffer());
     auto image = read_picture(kWidth, kHeight);
     EXPECT_TRUE(image) << image.error().message;
     return *image;
@@ -216,6 +216,63 @@ TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
   }
   EXPECT_GT(differ, 0) << "the coarse one was not drawn";
   EXPECT_LT(differ, covered / 5) << "of " << covered << " pixels";
+}
+
+TEST_F(TheView, IsTheSameWhereItsDrawingsAreMadeInTheBackground) {
+  auto large = ViewPainter::create({.most_fluent_faces = 0});
+  auto small = ViewPainter::create({.most_fluent_faces = 1000});
+  ASSERT_TRUE(large && small);
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(wall());
+  session.add(model);
+  ASSERT_TRUE(session.execute("camera 60 10"));
+  const auto settled = [&](ViewPainter& painter) {
+    do {
+      const auto done = painter.paint(session, kWidth, kHeight, false);
+      EXPECT_TRUE(done) << done.error().message;
+    } while (painter.rough());
+    glBindFramebuffer(GL_FRAMEBUFFER, painter.picture().framebuffer());
+    return read_picture(kWidth, kHeight).value().rgb;
+  };
+  const auto plain = settled(*large);
+  EXPECT_EQ(plain, settled(*small));
+  model->selecting.selection.combine({sdk::FaceId(1)}, sdk::Combine::Replace);
+  ++model->colour_revision;
+  const auto selected = settled(*large);
+  EXPECT_NE(selected, plain);
+  EXPECT_EQ(selected, settled(*small));
+  // Another model, and back: nothing of the one before is left.
+  auto other = std::make_shared<Model>();
+  sdk::Mesh half = wall();
+  half.triangles.resize(1);
+  half.face_colours.resize(1);
+  other->mesh = std::make_shared<const MeshShape>(std::move(half));
+  session.models.push_back(other);
+  session.active_model = 1;
+  static_cast<void>(large->paint(session, kWidth, kHeight, false));  // is being made
+  session.active_model = 0;
+  EXPECT_EQ(settled(*large), selected);
+  session.active_model = 1;
+  EXPECT_EQ(settled(*large), settled(*small));
+}
+
+TEST_F(TheView, HasFewerPixelsOnlyWhileItMovesWhereThatIsSlow) {
+  // Any picture is slow.
+  auto painter = ViewPainter::create({.fluent_ms = -1, .slow_ms = -1});
+  ASSERT_TRUE(painter) << painter.error().message;
+  session.add(model_of(tangle(6)));
+  const auto paint = [&] {
+    const auto done = painter->paint(session, kWidth, kHeight, false);
+    EXPECT_TRUE(done) << done.error().message;
+  };
+  paint();
+  EXPECT_EQ(painter->picture().width(), kWidth) << "nobody knows yet";
+  ASSERT_TRUE(session.execute("camera 30 20"));
+  paint();
+  EXPECT_EQ(painter->picture().width(), kWidth / 2);
+  for (int bits = 0; painter->rough() && bits < 1000; ++bits) paint();
+  EXPECT_FALSE(painter->rough());
+  EXPECT_EQ(painter->picture().width(), kWidth);
 }
 
 }  // namespace

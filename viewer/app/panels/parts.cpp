@@ -46,9 +46,13 @@ bool accent_button(const char* label, float width) {
   return clicked;
 }
 
+ImVec2 small_padding() {
+  const float line = ImGui::GetTextLineHeight();
+  return {std::round(0.6F * line), std::round(0.13F * line)};
+}
+
 bool small_button(const char* label) {
-  const ImVec2 padding = ImGui::GetStyle().FramePadding;
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, std::round(0.4F * padding.y)});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, small_padding());
   const bool clicked = ImGui::Button(label);
   ImGui::PopStyleVar();
   return clicked;

@@ -32,6 +32,7 @@ void draw_tools(Ui& ui) {
 /// A match on a line: its place, how much it is alike, and two buttons. Why it is alike is said where the mouse rests.
 void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) {
   ImGui::PushID(static_cast<int>(place));
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, small_padding());
   ImGui::AlignTextToFramePadding();
   if (!shown) ImGui::PushStyleColor(ImGuiCol_Text, theme::kDim);
   ImGui::Text("%zu", place);
@@ -44,6 +45,7 @@ void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) 
   if (small_button("No")) ui.issue("reject {}", place);
   ImGui::SameLine();
   ImGui::TextDisabled("%s", match.mirrored ? "mirrored" : "");
+  ImGui::PopStyleVar();
   hint(match.reason.c_str());
   ImGui::PopID();
 }

@@ -131,7 +131,7 @@ void draw_walk_panel(Ui& ui) {
     if (accent_button("Start a synthetic person", -1)) ui.issue("person");
     draw_connection(ui);
   } else {
-    if (const auto& health = walk.health())
+    if (const auto& health = walk.health(); health && health->frames_per_second > 0)
       ImGui::TextDisabled("%.0f frames a second, %.1f ms", static_cast<double>(health->frames_per_second),
                           static_cast<double>(health->latency_p50_us) / 1000);
     ImGui::TextDisabled("%s", walk.endpoint().c_str());
