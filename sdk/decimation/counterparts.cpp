@@ -161,6 +161,7 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
   std::vector<std::uint32_t> classes(mesh.positions.size(), kNoIndex);
   std::vector<std::uint8_t> done(parts.size(), 0);
   std::uint32_t count = 0;
+  std::vector<std::uint32_t> own_counterparts;  // classes of what lies on a plane of symmetry
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (task.stopped()) return cancelled();
     task.report("finding counterparts", static_cast<double>(k) / static_cast<double>(parts.size()));
@@ -181,7 +182,11 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
       if (own[i] != kNoIndex) continue;
       own[i] = count++;
       for (const auto& match : onto_itself)
-        if (match[i] != kNoIndex && own[match[i]] == kNoIndex) own[match[i]] = own[i];
+        if (match[i] == i) {
+          own_counterparts.push_back(own[i]);
+        } else if (match[i] != kNoIndex && own[match[i]] == kNoIndex) {
+          own[match[i]] = own[i];
+        }
     }
     for (std::size_t other = k + 1; other < parts.size(); ++other) {
       if (done[other] != 0 || !may_be_alike(first, parts[other])) continue;
@@ -206,10 +211,11 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
     if (!any) continue;
     for (std::size_t i = 0; i < own.size(); ++i) classes[first.vertices[i]] = own[i];
   }
-  // What is alone in its class has no counterpart.
+  // What is alone in its class has no counterpart, unless it is its own.
   std::vector<std::uint32_t> members(count, 0);
   for (const auto c : classes)
     if (c != kNoIndex) ++members[c];
+  for (const auto c : own_counterparts) members[c] = std::max(members[c], 2U);
   for (auto& c : classes)
     if (c != kNoIndex && members[c] < 2) c = kNoIndex;
   return classes;

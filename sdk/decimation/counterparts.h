@@ -13,8 +13,9 @@ namespace armature::sdk {
 
 /// Which vertices correspond: those of components that lie on one another once they are moved, turned or mirrored, and
 /// those of a component that does so with itself. Vertices correspond where each is the closest to where the other
-/// comes to lie. By vertex a class of its own kind; kNoIndex for what has no counterpart. Turns are those that lay
-/// principal axes onto one another, and none; so shapes that have no principal axes, as a ball, are found only shifted.
+/// comes to lie; what a mirror leaves where it is has itself. By vertex a class of its own kind; kNoIndex for what has
+/// no counterpart. Turns are those that lay principal axes onto one another, and none; so shapes that have no principal
+/// axes, as a ball, are found only shifted.
 [[nodiscard]] Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task);
 
 /// Keeps track of which regions correspond while they are joined. A region's kind is the sum of numbers drawn for the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -55,6 +56,7 @@ class SimilarCollapses {
 /// Collapses edges in the order of what they cost by a metric, which offers
 ///   fit(a, b)               the best placement of the union of two slots, seen from `a`: `centre()` and `cost`
 ///   cost(a, b, fit)         what ranks the collapse; infinite where it is forbidden
+///   cost(slots)             the same of several slots that become one; with `similar` alone
 ///   merge(kept, gone, fit)  gives the union, as seen from `kept`, the slot `kept`
 ///   position(slot)
 ///
@@ -64,7 +66,8 @@ class SimilarCollapses {
 /// With `similar`, a step collapses the cheapest edge and those like it, as far as they are independent: no end of one
 /// is an end or a neighbour of an end of another. Like regions cost alike, so the queue itself is the structure that
 /// finds them: only what stands near its head is looked at. Edges whose ends correspond go together or not at all, when
-/// the dearest of them is due; `similar_steps.h` holds how.
+/// the dearest of them is due, or the union of what those join that share ends; these alone need not be independent, and
+/// go one after another. `similar_steps.h` holds how.
 template <class Metric>
 class Decimation {
  public:
@@ -99,6 +102,8 @@ class Decimation {
   struct Ready {
     std::uint32_t edge = kNoIndex;
     Fit fit = {};
+    CollapseComplex::Pair slots = {};  // where one before it in the step may change it: its ends
+    bool touches = false;              // so
   };
   /// What a step leaves to the next.
   struct Left {
@@ -110,6 +115,7 @@ class Decimation {
     std::size_t first = 0, count = 0;
     double dissimilarity = 0;
     bool chosen = false;
+    bool touches = false;  // members are near one another
   };
 
   /// Slots that are marked until the next round.
@@ -179,7 +185,9 @@ class Decimation {
   /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done.
   bool evaluate(std::uint32_t edge, Ready& ready);
   /// Closes the group that begins at a place of `ready_`.
-  void close_group(std::size_t first);
+  void close_group(std::size_t first, bool touches);
+  /// The key of what members cost that share ends: of making one of all that they join.
+  [[nodiscard]] std::uint32_t joint_key(std::span<const Ready> members) const;
   /// Chooses a group if all of it is independent, and of one another.
   void choose_whole(Group& group, std::uint32_t& most);
   void give_back(std::uint32_t edge);
@@ -187,6 +195,8 @@ class Decimation {
   [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
   /// Whether none of them is near another.
   [[nodiscard]] bool apart(std::span<const Ready> members);
+  /// Makes a collapse fit what those before it in the step have changed nearby; false if it may not be done any more.
+  [[nodiscard]] bool renew(Ready& ready);
   CollapseComplex::Merged perform(Ready& ready);
   void refresh(const CollapseComplex::Merged& merged);
   void wake(std::uint32_t edge) {
@@ -307,6 +317,7 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
   while (complex_.steps() - first < count &&
          (similar_ == nullptr ? take(kNever, ready_[0]) : take_similar(first + count - complex_.steps()))) {
     for (Ready& ready : ready_) {
+      if (ready.touches && !renew(ready)) continue;
       const auto merged = perform(ready);
       if (similar_ != nullptr) {
         similar_->merged(merged.slot, merged.gone);

@@ -58,6 +58,20 @@ QemMetric::Fit QemMetric::fit(std::uint32_t a, std::uint32_t b) const noexcept {
   const Eigen::Vector3d offset = points_[b] - points_[a];
   Quadric q = quadrics_[a];
   q.add(quadrics_[b], offset);
+  return least_of(q, offset);
+}
+
+double QemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  Quadric q = quadrics_[slots.front()];
+  for (const std::uint32_t b : slots.subspan(1)) {
+    offset = points_[b] - points_[slots.front()];
+    q.add(quadrics_[b], offset);
+  }
+  return least_of(q, offset).cost;
+}
+
+QemMetric::Fit QemMetric::least_of(const Quadric& q, const Eigen::Vector3d& offset) noexcept {
   const auto result = [&](const Eigen::Vector3d& x) { return Fit{x, std::max(q.at(x), 0.0)}; };
 
   const double cxx = q.yy * q.zz - q.yz * q.yz, cxy = q.xz * q.yz - q.xy * q.zz, cxz = q.xy * q.yz - q.xz * q.yy;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,8 @@ class QemMetric {
 
   [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept;
   [[nodiscard]] double cost(std::uint32_t, std::uint32_t, const Fit& fit) const noexcept { return fit.cost; }
+  /// What it costs to make all of them one.
+  [[nodiscard]] double cost(std::span<const std::uint32_t> slots) const noexcept;
   void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept;
   [[nodiscard]] const Eigen::Vector3d& position(std::uint32_t slot) const noexcept { return points_[slot]; }
 
@@ -39,6 +42,9 @@ class QemMetric {
     [[nodiscard]] double at(const Eigen::Vector3d& x) const noexcept;
     [[nodiscard]] Eigen::Vector3d times(const Eigen::Vector3d& x) const noexcept;
   };
+
+  /// The point that a quadric is least at; between 0 and `offset` where it does not tell.
+  [[nodiscard]] static Fit least_of(const Quadric& q, const Eigen::Vector3d& offset) noexcept;
 
   std::vector<Quadric> quadrics_;
   std::vector<Eigen::Vector3d> points_;

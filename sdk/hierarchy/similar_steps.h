@@ -71,9 +71,53 @@ bool Decimation<Metric>::gather(std::uint64_t a, std::uint64_t b, std::uint32_t 
 }
 
 template <class Metric>
-void Decimation<Metric>::close_group(std::size_t first) {
-  groups_.push_back({.first = first, .count = ready_.size() - first});
-  for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= kTaken;
+void Decimation<Metric>::close_group(std::size_t first, bool touches) {
+  groups_.push_back({.first = first, .count = ready_.size() - first, .touches = touches});
+  for (Ready& member : std::span(ready_).subspan(first)) {
+    complex_.note(member.edge) |= kTaken;
+    member.touches = touches;
+    if (touches) member.slots = complex_.edge(member.edge);
+  }
+}
+
+template <class Metric>
+std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) const {
+  std::vector<std::uint32_t> slots;
+  for (const Ready& member : members)
+    for (const auto end : complex_.edge(member.edge)) slots.push_back(end);
+  std::ranges::sort(slots);
+  slots.erase(std::ranges::unique(slots).begin(), slots.end());
+  // By slot the place of one that it is joined with.
+  std::vector<std::size_t> root(slots.size());
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto root_of = [&](std::uint32_t slot) {
+    auto k = static_cast<std::size_t>(std::ranges::lower_bound(slots, slot) - slots.begin());
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  for (const Ready& member : members) {
+    const auto [a, b] = complex_.edge(member.edge);
+    root[root_of(a)] = root_of(b);
+  }
+  std::uint32_t key = 0;
+  std::vector<std::uint32_t> together;
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    if (root[k] != k) continue;
+    together.clear();
+    for (const auto slot : slots)
+      if (root_of(slot) == k) together.push_back(slot);
+    if (together.size() > 2) key = std::max(key, key_of(metric_.cost(together)));
+  }
+  return key;
+}
+
+template <class Metric>
+bool Decimation<Metric>::renew(Ready& ready) {
+  const std::uint32_t edge = edge_of({ready.edge, ready.slots});
+  if (edge == kNoIndex) return false;
+  if (evaluate(edge, ready)) return true;
+  give_back(edge);
+  return false;
 }
 
 template <class Metric>
@@ -85,10 +129,12 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     const auto [a, b] = complex_.edge(ready.edge);
     const auto kind_a = similar_->kind(a);
     const auto kind_b = similar_->kind(b);
-    const bool whole =
-        kind_a == 0 || kind_b == 0 || (gather(kind_a, kind_b, ready.edge) && apart(std::span(ready_).subspan(first)));
+    const bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge);
+    const auto members = std::span(ready_).subspan(first);
+    const bool touches = whole && members.size() > 1 && !apart(members);
     std::uint32_t due = complex_.key(ready.edge);
     for (std::size_t k = first; k < ready_.size(); ++k) due = std::max(due, complex_.key(ready_[k].edge));
+    if (touches) due = std::max(due, joint_key(members));
     if (!whole && (complex_.note(ready.edge) & kAlone) == 0) {
       const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
       due = key_of(kPatience * cost) | (due & kPenalty);
@@ -96,7 +142,7 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     }
     if (due == complex_.key(ready.edge)) {
       complex_.note(ready.edge) |= kOut;
-      close_group(first);
+      close_group(first, touches);
       return true;
     }
     for (std::size_t k = first; k < ready_.size(); ++k) {
@@ -136,13 +182,17 @@ bool Decimation<Metric>::take_rest(std::uint32_t most) {
       ready_.push_back(ready);
     }
   }
-  if (!ready_.empty()) close_group(0);
+  if (!ready_.empty()) close_group(0, false);
   return !ready_.empty();
 }
 
 template <class Metric>
 bool Decimation<Metric>::take_first(std::uint32_t most) {
   if (!take_group(kNever)) return false;
+  if (groups_.front().touches && ready_.size() <= most) {
+    for (const Ready& member : ready_) reserved_.around(complex_, member.edge);
+    return true;
+  }
   std::size_t kept = 0;
   for (const Ready& member : ready_) {
     if (kept < most && independent(member.edge)) {
@@ -186,7 +236,7 @@ bool Decimation<Metric>::apart(std::span<const Ready> members) {
 template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
-  if (members.size() > most || !apart(members)) return;
+  if (members.size() > most || (!group.touches && !apart(members))) return;
   for (const Ready& member : members)
     if (!independent(member.edge)) return;
   for (const Ready& member : members) reserved_.around(complex_, member.edge);

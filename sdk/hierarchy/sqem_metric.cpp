@@ -46,6 +46,27 @@ void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
   region.error = std::max(region.quadric({Eigen::Vector3d::Zero(), sphere.radius}), 0.0);
 }
 
+double SqemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
+  const std::uint32_t a = slots.front();
+  SphericalQuadric quadric = regions_[a].quadric;
+  Extents extents = extents_[a];
+  double errors = regions_[a].error;
+  double ward = 0;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (const std::uint32_t b : slots.subspan(1)) {
+    if (!pinned_.empty() && pinned_[a] && pinned_[b]) return std::numeric_limits<double>::infinity();
+    offset = spheres_[b].centre - spheres_[a].centre;
+    quadric += regions_[b].quadric.translated(offset);
+    extents |= extents_[b];
+    errors += regions_[b].error;
+    if (!means_.empty()) ward += apart(a, b);
+  }
+  const double planes = minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
+                          return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents));
+                        }).cost;
+  return (by_increase_ ? std::max(planes - errors, 0.0) : planes) + compactness_ * ward;
+}
+
 SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,
                                        std::uint32_t b) const noexcept {
   const Sphere& sphere = spheres_[pinned_[a] ? a : b];

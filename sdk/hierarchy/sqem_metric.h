@@ -51,6 +51,9 @@ class SqemMetric {
     return means_.empty() ? planes : planes + compactness_ * apart(a, b);
   }
 
+  /// What it costs to make all of them one.
+  [[nodiscard]] double cost(std::span<const std::uint32_t> slots) const noexcept;
+
   void merge(std::uint32_t kept, std::uint32_t gone, const Fit& from_kept) noexcept {
     Region& region = regions_[kept];
     const Region& other = regions_[gone];

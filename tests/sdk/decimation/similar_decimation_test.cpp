@@ -163,7 +163,7 @@ TEST(SimilarDecimation, KeepsAMirroredShapeEven) {
     }
     return static_cast<double>(even) / static_cast<double>(levels);
   };
-  EXPECT_GE(share(similar_of(mesh)), 0.9);
+  EXPECT_EQ(share(similar_of(mesh)), 1);
   EXPECT_LT(share(similar_of(mesh, {.threshold = 0})), 0.5);
 }
 

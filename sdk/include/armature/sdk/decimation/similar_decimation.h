@@ -27,7 +27,7 @@ struct SimilarityOptions {
   RegionDescriptor descriptor = RegionDescriptor::GlsHistograms;  ///< what they are compared by
   /// Collapses less unlike the cheapest than this are done with it, in the descriptor's measure: from 0 to 1 for
   /// histograms. 0 does one at a time: the plain decimation, bit by bit.
-  double threshold = 0.5;
+  double threshold = 0.6;
   /// The threshold of each step lies instead in the first gap of the ranked dissimilarities (section 6.5): the first
   /// that is four times as wide as they lie apart before it on average, and 0.02 or more; at most 0.4.
   bool adaptive = false;
@@ -55,8 +55,8 @@ struct SimilarBuild {
 
 /// Decimates a mesh as build_hierarchy() does, but like regions together (thesis, algorithm 4): each step collapses the
 /// cheapest edge and those whose regions are like its own, as far as they are independent, so that the levels at the
-/// ends of steps keep the likenesses of the shape and are fewer. Every level in between is there as well. Takes at most
-/// about three times as long. Deterministic. Refused where build_hierarchy() is, and for options out of range.
+/// ends of steps keep the likenesses of the shape and are fewer. Every level in between is there as well. Takes two to
+/// five times as long. Deterministic. Refused where build_hierarchy() is, and for options out of range.
 [[nodiscard]] Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
                                                              const SimilarityOptions& similarity = {},
                                                              const Task& task = {});
