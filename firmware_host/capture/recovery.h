@@ -105,7 +105,7 @@ class Recovery {
   Time silent_since_{0}, waiting_since_{0}, due_{0}, last_start_{0};
   int tried_ = 0;         // steps since the last frame; from kProcess on, starts of the process
   int waits_ = 0;         // in vain, since the last frame
-  int hung_opening_ = 0;  // processes killed in the midst of opening, since one came back from it
+  int hung_opening_ = 0;  // processes killed in the midst of opening, since a frame, or one that found no device
 };
 
 }  // namespace armature

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <armature/sdk/mesh/measures.h>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 namespace armature::sdk {
@@ -22,7 +23,7 @@ using Eigen::Vector4d;
 constexpr double kAgree = 1e-9;        // turns that differ by less are one
 constexpr double kMostOfRadius = 0.5;  // that the surface moves
 constexpr int kRounds = 8;             // of Newton's method
-constexpr std::size_t kGrain = 4096;   // triangles that are summed in order
+constexpr std::size_t kGrain = 4096;   // triangles that are summed in order, or vertices
 
 /// SplitMix64's finaliser: edges become numbers that no few of them add up to zero by chance.
 std::uint64_t mixed(std::uint64_t x) {
@@ -43,29 +44,59 @@ Sum sum_over(const Mesh& mesh, const F& f) {
       std::plus{});
 }
 
+/// From where volumes are measured: near the mesh, or digits would cancel.
+Vector3d apex_of(const Mesh& mesh, std::span<const Vector3d> x) {
+  return mesh.triangles.empty() ? Vector3d(Vector3d::Zero()) : x[mesh.triangles[0][0].index()];
+}
+
+std::array<Vector3d, 3> seen_from(const Vector3d& apex, std::span<const Vector3d> x, const Triangle& corners) {
+  return {x[corners[0].index()] - apex, x[corners[1].index()] - apex, x[corners[2].index()] - apex};
+}
+
 /// Where vertices go per unit of t; of the others nothing.
 struct Directions {
   std::vector<Vector3d> of;   // by vertex
   double most_of_radius = 0;  // the largest share of a radius among them
 };
 
+/// [V]: the turns of the spheres that weigh on a vertex, as `skin()` blends them: their signs agree.
+std::vector<Vector4d> blended_turns(const SkinWeights& weights, std::span<const SphereMotion> motions) {
+  struct Turning {
+    const WeightColumn* column;
+    Vector4d turn;
+  };
+  std::vector<Turning> turning;
+  for (std::size_t s = 0; s < motions.size(); ++s)
+    if (const Vector4d turn = motions[s].turn.coeffs(); !turn.head<3>().isZero(0))
+      turning.push_back({weights.columns[s].get(), turn.w() < 0 ? Vector4d(-turn) : turn});
+  const auto for_each_weight = [&](const auto& f) {
+    for (const auto& [column, turn] : turning)
+      for (std::size_t i = 0; i < column->vertices.size(); ++i) {
+        const std::size_t v = column->vertices[i].index();
+        f(v, static_cast<double>(column->weights[i]) / weights.totals[v], turn);
+      }
+  };
+  std::vector<Vector4d> sums(weights.totals.size(), Vector4d::UnitW());
+  // Turns by a right angle at most lie within half a turn of one another.
+  constexpr double kHalfOfRightAngle = 0.7071067811865476;
+  if (std::ranges::all_of(turning, [](const Turning& t) { return t.turn.w() >= kHalfOfRightAngle; })) {
+    for_each_weight(
+        [&](std::size_t v, double weight, const Vector4d& turn) { sums[v] += weight * (turn - Vector4d::UnitW()); });
+    return sums;
+  }
+  for_each_weight([&](std::size_t v, double weight, const Vector4d&) { sums[v].w() -= weight; });
+  for_each_weight([&](std::size_t v, double weight, const Vector4d& turn) {
+    sums[v] += sums[v].dot(turn) < 0 ? -weight * turn : weight * turn;
+  });
+  return sums;
+}
+
 Directions directions(std::span<const Vector3d> outward, const SkinWeights& weights,
                       std::span<const SphereMotion> motions) {
-  // The sum of turns less the one that changes nothing, which unmoved spheres need not be read for.
-  std::vector<Vector4d> sums(outward.size(), Vector4d::Zero());
-  for (std::size_t s = 0; s < motions.size(); ++s) {
-    Vector4d turn = motions[s].turn.coeffs();
-    if (turn.head<3>().isZero(0)) continue;
-    if (turn.w() < 0) turn = -turn;
-    turn.w() -= 1;
-    const WeightColumn& column = *weights.columns[s];
-    for (std::size_t i = 0; i < column.vertices.size(); ++i)
-      sums[column.vertices[i].index()] += static_cast<double>(column.weights[i]) * turn;
-  }
+  const std::vector<Vector4d> turns = blended_turns(weights, motions);
   Directions found{.of = std::vector<Vector3d>(outward.size(), Vector3d::Zero())};
   for (std::size_t v = 0; v < outward.size(); ++v) {
-    if (sums[v].isZero(0)) continue;
-    const Vector4d turn = sums[v] / weights.totals[v] + Vector4d::UnitW();
+    const Vector4d& turn = turns[v];
     const double agree = turn.squaredNorm();
     const double disagree = 1 - agree;
     if (!(disagree > kAgree) || !(agree > 0)) continue;
@@ -93,8 +124,11 @@ bool is_closed(const Mesh& mesh) {
 }
 
 double six_volumes(const Mesh& mesh, std::span<const Vector3d> x) {
-  return sum_over<double>(
-      mesh, [&](const Triangle& c) { return x[c[0].index()].dot(x[c[1].index()].cross(x[c[2].index()])); });
+  const Vector3d apex = apex_of(mesh, x);
+  return sum_over<double>(mesh, [&](const Triangle& corners) -> double {
+    const auto [a, b, c] = seen_from(apex, x, corners);
+    return a.dot(b.cross(c));
+  });
 }
 
 std::vector<Vector3d> outward_by_radius(const Mesh& mesh, const SkinWeights& weights, std::span<const Sphere> spheres) {
@@ -123,25 +157,29 @@ void keep_volume(const Mesh& mesh, std::span<const Vector3d> outward, const Skin
       return *this;
     }
   };
+  const Vector3d apex = apex_of(mesh, positions);
   const Sum f = sum_over<Sum>(mesh, [&](const Triangle& corners) -> Cubic {
-    const auto [i, j, k] = std::array{corners[0].index(), corners[1].index(), corners[2].index()};
-    const Vector3d &a = positions[i], &b = positions[j], &c = positions[k];
+    const auto [a, b, c] = seen_from(apex, positions, corners);
     const Vector3d bc = b.cross(c);
-    const Vector3d &p = d[i], &q = d[j], &r = d[k];
+    const Vector3d &p = d[corners[0].index()], &q = d[corners[1].index()], &r = d[corners[2].index()];
     if (p.isZero(0) && q.isZero(0) && r.isZero(0)) return {a.dot(bc), 0, 0, 0};
     const Vector3d qr = q.cross(r);
     return {a.dot(bc), p.dot(bc) + q.dot(c.cross(a)) + r.dot(a.cross(b)),
             a.dot(qr) + b.dot(r.cross(p)) + c.dot(p.cross(q)), p.dot(qr)};
   });
   const double most = kMostOfRadius / directions.most_of_radius;
+  const auto excess = [&](double t) { return f[0] + t * (f[1] + t * (f[2] + t * f[3])) - wanted; };
   double t = 0;
   for (int round = 0; round < kRounds; ++round) {
     const double slope = f[1] + t * (2 * f[2] + t * 3 * f[3]);
     if (!(slope > 0)) break;  // the surface has folded over
-    t = std::clamp(t - (f[0] + t * (f[1] + t * (f[2] + t * f[3])) - wanted) / slope, -most, most);
+    t = std::clamp(t - excess(t) / slope, -most, most);
   }
-  if (!std::isfinite(t)) return;
-  for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += t * d[v];
+  if (!(std::abs(excess(t)) < std::abs(excess(0)))) return;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), kGrain), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v)
+      if (!d[v].isZero(0)) positions[v] += t * d[v];
+  });
 }
 
 }  // namespace armature::sdk

@@ -8,9 +8,9 @@
 #include <armature/sdk/hierarchy/build.h>
 
 #include "sdk/deformation/best_turn.h"
-#include "sdk/mesh/four.h"
 #include "sdk/deformation/plane_sums.h"
 #include "sdk/hierarchy/extents.h"
+#include "sdk/mesh/four.h"
 #include "sdk/mesh/normalised_shape.h"
 #include "sdk/spheremesh/quadric_minimum.h"
 

@@ -50,18 +50,18 @@ void SkinnedLevel::find_outward(const WeightColumn& column) {
   }
 }
 
-void SkinnedLevel::keep_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
+void SkinnedLevel::restore_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
   if (!closed_) closed_ = is_closed(mesh_);
   if (!*closed_) return;
   if (!at_rest_)
     at_rest_ = AtRest{outward_by_radius(mesh_, weights_, shape_.spheres), six_volumes(mesh_, mesh_.positions)};
-  armature::sdk::keep_volume(mesh_, at_rest_->outward, weights_, motions, at_rest_->six_volumes, out);
+  keep_volume(mesh_, at_rest_->outward, weights_, motions, at_rest_->six_volumes, out);
 }
 
-void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, bool volume_too) {
+void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, Volume volume) {
   if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; })) {
     skin(weights_, motions, blend, mesh_.positions, out);
-    if (volume_too && blend == Blend::DualQuaternions) keep_volume(motions, out);
+    if (volume == Volume::Kept && blend == Blend::DualQuaternions) restore_volume(motions, out);
     return;
   }
   std::ranges::copy(mesh_.positions, out.begin());

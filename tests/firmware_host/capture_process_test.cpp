@@ -159,13 +159,14 @@ std::chrono::nanoseconds replug_to_frames(Library library, std::chrono::nanoseco
   recovery.process_started(0s);
   Reader reader = Reader::Opening;
   std::chrono::nanoseconds began = 0s, heard = 0s;
+  const bool hangs = library == Library::Hangs || library == Library::HangsTwice;
   bool stuck = false, stumbled = library != Library::HangsTwice;
   for (std::chrono::nanoseconds now = 0s; now < at + away + 100s; now += 10ms) {
     const bool there = now < at || now >= at + away;
     switch (reader) {
       case Reader::Opening:
         if (stuck) break;
-        if (!there && (library < Library::Hangs || now == began))
+        if (!there && (!hangs || now == began))
           reader = Reader::Waiting, began = now;
         else if (!there)
           stuck = true;

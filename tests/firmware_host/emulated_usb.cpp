@@ -1,6 +1,7 @@
 #include "tests/firmware_host/emulated_usb.h"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <deque>
@@ -309,7 +310,7 @@ class Camera final : public Device {
 class Motor final : public Device {
  public:
   using Device::Device;
-  int light = -1, tilt = 0;
+  std::atomic<int> light = -1, tilt = 0;  // the test looks on
 
  private:
   int control(const std::uint8_t* setup, std::uint8_t* data, std::size_t size) override {

@@ -147,6 +147,30 @@ TEST(Deform, KeepsTheVolumeWhereASharpBendWouldNot) {
   }
 }
 
+TEST(Deform, KeepsTheVolumeFarFromTheOrigin) {
+  const Vector3d far(1e5, 4e6, -3e5);
+  const Shape tube(surfaces::moved(tubes::tube(8, 1, 0, 48, 160), far), {.compactness = 0.01});
+  const auto volume_of = [&](const Mesh& mesh) { return tubes::volume(surfaces::moved(mesh, -far)); };
+  std::vector move{hinge(tube, 10, far.x(), 1.5)};
+  move[0].about = far;
+  EXPECT_NEAR(volume_of(*deform(tube.mesh, tube.hierarchy, 10, move)) / volume_of(tube.mesh), 1, 1e-6);
+}
+
+TEST(Deform, KeepsTheVolumeBetweenTurnsThatLieFarApart) {
+  // Its ends turn to either side by more than half a turn between them; the way behind is shorter.
+  const Shape tube(tubes::tube(12, 0.5, 0.03, 32, 200));
+  std::vector<SphereMove> apart;
+  for (const double side : {-1.0, 1.0})
+    apart.push_back({.spheres = tube.spheres_where(8, [&](const Sphere& s) { return side * s.centre.x() > 0.1; }),
+                     .rotate = {side * 2.6, 0, 0},
+                     .about = Vector3d::Zero()});
+  const auto plain = deform(tube.mesh, tube.hierarchy, 8, apart, {.keep_volume = false});
+  const auto kept = deform(tube.mesh, tube.hierarchy, 8, apart);
+  const double before = tubes::volume(tube.mesh);
+  EXPECT_GT(std::abs(tubes::volume(*plain) / before - 1), 1e-4);
+  EXPECT_NEAR(tubes::volume(*kept) / before, 1, 1e-9);
+}
+
 TEST(Deform, KeepsTheVolumeOnlyWhereTurnsBlend) {
   const Shape tube(tubes::tube(12, 0.5, 0.03, 32, 200));
   const std::vector move{hinge(tube, 8, 1, 1.2)};

@@ -150,7 +150,7 @@ class DeformBench {
     const double dual = time(sdk::Blend::DualQuaternions);
     sdk::SkinnedLevel level(skin, *hierarchy_.level(options_.spheres), mesh_);
     const double kept =
-        fastest(5 * options_.rounds, [&] { level.move(motions, sdk::Blend::DualQuaternions, out, true); });
+        fastest(5 * options_.rounds, [&] { level.move(motions, sdk::Blend::DualQuaternions, out, sdk::Volume::Kept); });
     const sdk::Refit refit(mesh_, hierarchy_);
     const double refit_ms = fastest(5 * options_.rounds, [&] { (void)refit.fit(nodes, out); });
     return say("influences", static_cast<double>(entries) / static_cast<double>(out.size()), "",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,9 @@
 #include <armature/sdk/spheremesh/sphere_mesh.h>
 
 namespace armature::sdk {
+
+/// What becomes of the volume of a closed mesh where turns blend.
+enum class Volume : std::uint8_t { Free, Kept };
 
 /// A level of spheres and the mesh that it moves.
 class SkinnedLevel {
@@ -26,12 +30,12 @@ class SkinnedLevel {
   /// by what they swell, less where it lies further in: a tube becomes thicker, not longer. Then comes `skin()`. The
   /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
   ///
-  /// With `keep_volume` and dual quaternions, a closed mesh has the volume afterwards that it had: where turns blend,
-  /// which bulges or thins it, the surface moves along its normals, by at most half of the spheres' radius (after von
-  /// Funck, Theisel, Seidel 2008). What turns as a whole stays. For motions that turn spheres; others mean to change
-  /// the volume.
+  /// With `Volume::Kept` and dual quaternions, a closed mesh has the volume afterwards that it had, as far as that
+  /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most half of the
+  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. For motions that turn
+  /// spheres; others mean to change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
-            bool keep_volume = false);
+            Volume volume = Volume::Free);
 
   /// Another level of the same mesh.
   void set_level(SkinWeights weights, SphereMesh shape);
@@ -41,7 +45,7 @@ class SkinnedLevel {
 
  private:
   void find_outward(const WeightColumn& column);
-  void keep_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
+  void restore_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
 
   SkinWeights weights_;
   SphereMesh shape_;
