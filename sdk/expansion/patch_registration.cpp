@@ -217,8 +217,10 @@ void PatchReference::improve(Registration& registration, double scale, std::size
                          cells_[i]});
     }
   };
+  bool moved = true;  // since the pairs were found
   for (int round = 0; round < rounds; ++round) {
     find_pairs();
+    moved = false;
     if (pairs.size() < 6) break;
     distances.clear();
     for (const Pair& pair : pairs) distances.push_back(pair.distance);
@@ -256,9 +258,10 @@ void PatchReference::improve(Registration& registration, double scale, std::size
     move.topLeftCorner<3, 3>() = grow * R;
     move.topRightCorner<3, 1>() = o + radius * step.segment<3>(3) - grow * R * o;
     registration.target_from_reference = move * registration.target_from_reference;
+    moved = true;
     if (step.norm() < kStill) break;
   }
-  find_pairs();
+  if (moved) find_pairs();
   // A twentieth of the radius apart is as bad as nothing there.
   double sum = 0;
   std::array<double, 3 * kCellRings * kCellRings> apart{};
