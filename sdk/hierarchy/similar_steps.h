@@ -99,13 +99,15 @@ std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) cons
     const auto [a, b] = complex_.edge(member.edge);
     root[root_of(a)] = root_of(b);
   }
+  std::vector<std::pair<std::size_t, std::uint32_t>> by_root;
+  for (const auto slot : slots) by_root.emplace_back(root_of(slot), slot);
+  std::ranges::sort(by_root);
   std::uint32_t key = 0;
   std::vector<std::uint32_t> together;
-  for (std::size_t k = 0; k < slots.size(); ++k) {
-    if (root[k] != k) continue;
+  for (std::size_t k = 0; k < by_root.size();) {
     together.clear();
-    for (const auto slot : slots)
-      if (root_of(slot) == k) together.push_back(slot);
+    const std::size_t here = by_root[k].first;
+    for (; k < by_root.size() && by_root[k].first == here; ++k) together.push_back(by_root[k].second);
     if (together.size() > 2) key = std::max(key, key_of(metric_.cost(together)));
   }
   return key;
@@ -129,12 +131,14 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     const auto [a, b] = complex_.edge(ready.edge);
     const auto kind_a = similar_->kind(a);
     const auto kind_b = similar_->kind(b);
-    const bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge);
+    bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge);
     const auto members = std::span(ready_).subspan(first);
-    const bool touches = whole && members.size() > 1 && !apart(members);
+    bool touches = whole && members.size() > 1 && !apart(members);
+    const std::uint32_t joint = touches ? joint_key(members) : 0;
+    if (joint >= kForbidden) touches = whole = false;
     std::uint32_t due = complex_.key(ready.edge);
     for (std::size_t k = first; k < ready_.size(); ++k) due = std::max(due, complex_.key(ready_[k].edge));
-    if (touches) due = std::max(due, joint_key(members));
+    if (touches) due = std::max(due, joint);
     if (!whole && (complex_.note(ready.edge) & kAlone) == 0) {
       const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
       due = key_of(kPatience * cost) | (due & kPenalty);

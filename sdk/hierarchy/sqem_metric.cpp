@@ -1,5 +1,6 @@
 #include "sdk/hierarchy/sqem_metric.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -47,19 +48,27 @@ void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
 }
 
 double SqemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
+  const auto is_pinned = [&](std::uint32_t slot) { return bool{pinned_[slot]}; };
+  if (!pinned_.empty() && std::ranges::count_if(slots, is_pinned) > 1) return std::numeric_limits<double>::infinity();
   const std::uint32_t a = slots.front();
   SphericalQuadric quadric = regions_[a].quadric;
   Extents extents = extents_[a];
   double errors = regions_[a].error;
   double ward = 0;
+  double weights = weight(a);
+  Eigen::Vector3d mean = means_.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : means_[a];
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   for (const std::uint32_t b : slots.subspan(1)) {
-    if (!pinned_.empty() && pinned_[a] && pinned_[b]) return std::numeric_limits<double>::infinity();
     offset = spheres_[b].centre - spheres_[a].centre;
     quadric += regions_[b].quadric.translated(offset);
     extents |= extents_[b];
     errors += regions_[b].error;
-    if (!means_.empty()) ward += apart(a, b);
+    if (!means_.empty() && weight(b) > 0) {
+      const double part = weight(b) / (weights + weight(b));
+      ward += 0.5 * weights * part * (means_[b] - mean).squaredNorm();
+      mean += part * (means_[b] - mean);
+      weights += weight(b);
+    }
   }
   const double planes = minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
                           return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents));

@@ -196,6 +196,22 @@ TEST(SimilarDecimation, WorksOnMeshesByTheQuadricErrorMetric) {
   EXPECT_EQ(same->decimated.mesh.triangles, plain->mesh.triangles);
 }
 
+TEST(SimilarDecimation, NeverJoinsPinnedSpheresThatCorrespond) {
+  // An ellipsoid with three planes of symmetry; each pinned vertex has seven mirror images, pinned as well.
+  Mesh mesh = ball(2);
+  for (Eigen::Vector3d& p : mesh.positions) p = p.cwiseProduct(Eigen::Vector3d(1.7, 1.3, 1));
+  HierarchyOptions options;
+  const Eigen::Vector3d one = mesh.positions[static_cast<std::size_t>(
+      std::ranges::max_element(mesh.positions, {}, [](const auto& p) { return p.cwiseAbs().minCoeff(); }) -
+      mesh.positions.begin())];
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    if ((mesh.positions[v].cwiseAbs() - one.cwiseAbs()).norm() < 1e-9) options.pinned.push_back({VertexId(v)});
+  ASSERT_EQ(options.pinned.size(), 8U);
+  const auto similar = build_similar_hierarchy(mesh, options);
+  ASSERT_TRUE(similar);
+  EXPECT_EQ(similar->build.hierarchy.min_spheres(), 8U);
+}
+
 TEST(SimilarDecimation, TakesAnyMesh) {
   Mesh loose = bent();
   loose.positions.emplace_back(1, 2, 3);
