@@ -152,6 +152,8 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
     }
     const auto& other = session_.models[session_.beside - 1];
     if (auto drawn = draw_view(*beside_, other, ui_.beside, height, framebuffer, careful); !drawn) return drawn;
+  } else {
+    beside_.reset();
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);

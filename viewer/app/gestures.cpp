@@ -26,6 +26,7 @@ struct Gesture {
   std::weak_ptr<Model> model = {};             ///< that it began on
   Tool tool = Tool::Look;                      ///< that it began with
   const char* how = "new";                     ///< as its command says it
+  double radius = 0;                           ///< of the brush that it began with
   Points points = {};                          ///< on the surface, that its command will hold
   std::size_t followed = 0;                    ///< how many of them the follower has been told
   std::shared_ptr<const Follower> follower{};  ///< or none
@@ -87,6 +88,8 @@ void lasso(Ui& ui) {
 /// The command that the gesture was.
 void issue_gesture(Ui& ui, const Gesture& gesture) {
   Session& session = ui.session;
+  if (session.models.empty() || gesture.model.lock() != session.models[session.active_model])
+    return session.tell("another model came up meanwhile; draw again");
   const Points& points = gesture.points;
   const bool beside = points.empty();
   const auto miss = [&] { session.tell("that stroke was beside the model; begin on it"); };
@@ -107,7 +110,7 @@ void issue_gesture(Ui& ui, const Gesture& gesture) {
       return;
     case Tool::Cut: return beside ? miss() : ui.issue("cut {}{}", gesture.how, words_of(points));
     case Tool::Brush:
-      return beside ? miss() : ui.issue("brush {} {:.6g}{}", gesture.how, brush_radius(ui), words_of(points));
+      return beside ? miss() : ui.issue("brush {} {:.6g}{}", gesture.how, gesture.radius, words_of(points));
     case Tool::Look:
     case Tool::Pose: return;
   }
@@ -197,6 +200,7 @@ void begin_gesture(Ui& ui) {
   gesture.model = model;
   gesture.tool = session.tool;
   gesture.how = io.KeyShift ? "add" : io.KeyCtrl && session.tool == Tool::Brush ? "background" : "new";
+  gesture.radius = brush_radius(ui);
   gesture.points.clear();
   gesture.followed = 0;
   gesture.follower.reset();

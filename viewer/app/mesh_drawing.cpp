@@ -85,6 +85,11 @@ void MeshDrawing::send(Made made, const Shape& shape, const Colours& colours) {
   ++changes_;
 }
 
+void MeshDrawing::rest() {
+  making_.cancel();
+  static_cast<void>(making_.poll());
+}
+
 void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once) {
   const Shape shape{model, model->mesh_revision, looks.mesh, looks.wireframe};
   const Colours colours{model->colour_revision, looks.map};

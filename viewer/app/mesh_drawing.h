@@ -27,6 +27,9 @@ class MeshDrawing {
   /// Shows what the model looks like now, or as soon as it is made; `at_once`: now, however long that takes.
   void follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once);
 
+  /// Nothing of it is shown: what is being made is not wanted.
+  void rest();
+
   ///@{
   /// Or none.
   [[nodiscard]] const Drawing* fine() const noexcept { return fine_ ? &*fine_ : nullptr; }

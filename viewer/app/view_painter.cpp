@@ -86,6 +86,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   shows_.clear();
   const double aspect = static_cast<double>(width) / height;
   const bool walks = session.mode == Mode::Walk;
+  if (walks || !model || !model->mesh || session.looks.mesh == MeshLook::Off) mesh_->rest();
   if (walks) {
     gather_city(session.walk);
   } else {

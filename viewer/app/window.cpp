@@ -80,7 +80,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   while (glfwWindowShouldClose(w.window) == GLFW_FALSE && !session.quit && !interrupted()) {
     // Nothing moves: wait for somebody to do something, or for a moment. A short one where something goes on in the
     // background, which needs the processor more.
-    if (w.app->calm() && playlist.done(session)) {
+    if (w.app->calm() && (playlist.done(session) || session.job.running())) {
       glfwWaitEventsTimeout(w.app->awaits() ? 1.0 / 60 : 0.1);
     } else {
       glfwPollEvents();

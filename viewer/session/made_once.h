@@ -32,11 +32,6 @@ class MadeOnce {
     const std::lock_guard lock(mutex_);
     return made_ = std::move(shared);
   }
-  /// What is there, or none.
-  [[nodiscard]] std::shared_ptr<const T> peek() const {
-    const std::lock_guard lock(mutex_);
-    return made_;
-  }
 
  private:
   /// Ends, whatever happens, with the next one's.
@@ -52,7 +47,7 @@ class MadeOnce {
     MadeOnce& of;
   };
 
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::condition_variable_any changed_;
   bool making_ = false;
   std::shared_ptr<const T> made_;

@@ -38,7 +38,7 @@ Done model(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   session.active_model = place - 1;
   session.picked.reset();
-  session.camera.fit(session.around(), session.aspect);
+  session.see_all();
   return {};
 }
 
