@@ -46,8 +46,7 @@ Expected<Mesh> deform(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t 
   for (const SphereMove& move : moves) move_spheres(move, motions);
   SkinnedLevel level(std::move(weights), std::move(*shape), mesh);
   Mesh deformed = mesh;
-  level.move(motions, options.blend, deformed.positions,
-             options.keep_volume && std::ranges::all_of(moves, only_turns) ? Volume::Kept : Volume::Free);
+  level.move(motions, options.blend, deformed.positions, options.keep_volume ? Volume::Kept : Volume::Free);
   for (std::size_t v = 0; v < deformed.positions.size(); ++v)
     if (!in_range(deformed.positions[v]))
       return fail("the moves take vertex " + std::to_string(v) + " out of range; use smaller numbers");

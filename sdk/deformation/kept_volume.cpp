@@ -14,13 +14,13 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "sdk/mesh/four.h"
+
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
-using Eigen::Vector4d;
 
-constexpr double kAgree = 1e-9;        // turns that differ by less are one
 constexpr double kMostOfRadius = 0.5;  // that the surface moves
 constexpr int kRounds = 8;             // of Newton's method
 constexpr std::size_t kGrain = 4096;   // triangles that are summed in order, or vertices
@@ -53,59 +53,53 @@ std::array<Vector3d, 3> seen_from(const Vector3d& apex, std::span<const Vector3d
   return {x[corners[0].index()] - apex, x[corners[1].index()] - apex, x[corners[2].index()] - apex};
 }
 
-/// Where vertices go per unit of t; of the others nothing.
-struct Directions {
-  std::vector<Vector3d> of;   // by vertex
-  double most_of_radius = 0;  // the largest share of a radius among them
-};
-
-/// [V]: the turns of the spheres that weigh on a vertex, as `skin()` blends them: their signs agree.
-std::vector<Vector4d> blended_turns(const SkinWeights& weights, std::span<const SphereMotion> motions) {
-  struct Turning {
-    const WeightColumn* column;
-    Vector4d turn;
-  };
-  std::vector<Turning> turning;
-  for (std::size_t s = 0; s < motions.size(); ++s)
-    if (const Vector4d turn = motions[s].turn.coeffs(); !turn.head<3>().isZero(0))
-      turning.push_back({weights.columns[s].get(), turn.w() < 0 ? Vector4d(-turn) : turn});
-  const auto for_each_weight = [&](const auto& f) {
-    for (const auto& [column, turn] : turning)
-      for (std::size_t i = 0; i < column->vertices.size(); ++i) {
-        const std::size_t v = column->vertices[i].index();
-        f(v, static_cast<double>(column->weights[i]) / weights.totals[v], turn);
-      }
-  };
-  std::vector<Vector4d> sums(weights.totals.size(), Vector4d::UnitW());
-  // Turns by a right angle at most lie within half a turn of one another.
-  constexpr double kHalfOfRightAngle = 0.7071067811865476;
-  if (std::ranges::all_of(turning, [](const Turning& t) { return t.turn.w() >= kHalfOfRightAngle; })) {
-    for_each_weight(
-        [&](std::size_t v, double weight, const Vector4d& turn) { sums[v] += weight * (turn - Vector4d::UnitW()); });
-    return sums;
-  }
-  for_each_weight([&](std::size_t v, double weight, const Vector4d&) { sums[v].w() -= weight; });
-  for_each_weight([&](std::size_t v, double weight, const Vector4d& turn) {
-    sums[v] += sums[v].dot(turn) < 0 ? -weight * turn : weight * turn;
-  });
-  return sums;
+/// One corner of four triangles.
+ARMATURE_INLINE FourVectors gathered(const Vector3d* x, const Triangle* triangles, std::size_t corner) {
+  const auto at = [&](std::size_t t) -> const Vector3d& { return x[triangles[t][corner].index()]; };
+  return four_vectors(at(0), at(1), at(2), at(3));
 }
 
-Directions directions(std::span<const Vector3d> outward, const SkinWeights& weights,
-                      std::span<const SphereMotion> motions) {
-  const std::vector<Vector4d> turns = blended_turns(weights, motions);
-  Directions found{.of = std::vector<Vector3d>(outward.size(), Vector3d::Zero())};
-  for (std::size_t v = 0; v < outward.size(); ++v) {
-    const Vector4d& turn = turns[v];
-    const double agree = turn.squaredNorm();
-    const double disagree = 1 - agree;
-    if (!(disagree > kAgree) || !(agree > 0)) continue;
-    const Vector3d axis = turn.head<3>();
-    const Vector3d twice = 2 * axis.cross(outward[v]);
-    found.of[v] = disagree * (outward[v] + (turn.w() * twice + axis.cross(twice)) / agree);
-    found.most_of_radius = std::max(found.most_of_radius, disagree);
+/// Six volumes of x + t d are a cubic in t: its coefficients.
+struct Cubic : std::array<double, 4> {
+  Cubic operator+(const Cubic& other) const {
+    Cubic sum = *this;
+    for (std::size_t k = 0; k < 4; ++k) sum[k] += other[k];
+    return sum;
   }
-  return found;
+};
+
+/// What four triangles of a closed mesh add: of the normals n at x and m of the same triangles at d, twice their areas
+/// long, volumes are a.n, their gradient n, and so in d.
+ARMATURE_INLINE void add_four(const Triangle* triangles, const Vector3d* x, const FourVectors& apex, const Vector3d* d,
+                              std::array<Four, 4>& sums) {
+  const FourVectors a = gathered(x, triangles, 0) - apex, b = gathered(x, triangles, 1) - apex,
+                    c = gathered(x, triangles, 2) - apex;
+  const FourVectors n = cross(b - a, c - a);
+  add_dot(a, n, sums[0]);
+  const FourVectors p = gathered(d, triangles, 0), q = gathered(d, triangles, 1), r = gathered(d, triangles, 2);
+  const FourVectors m = cross(q - p, r - p);
+  add_dot(n, p + q + r, sums[1]);
+  add_dot(m, a + b + c, sums[2]);
+  add_dot(p, m, sums[3]);
+}
+
+ARMATURE_LANES Cubic cubic_of(std::span<const Triangle> triangles, const Vector3d* x, const Vector3d& apex,
+                              const Vector3d* d) {
+  const FourVectors from = four_vectors(apex, apex, apex, apex);
+  std::array<Four, 4> sums{};
+  const std::size_t fours = triangles.size() / 4 * 4;
+  for (std::size_t t = 0; t < fours; t += 4) add_four(&triangles[t], x, from, d, sums);
+  if (fours < triangles.size()) {
+    // The rest, and triangles without area.
+    const VertexId corner = triangles[fours][0];
+    std::array<Triangle, 4> rest;
+    rest.fill({corner, corner, corner});
+    std::ranges::copy(triangles.subspan(fours), rest.begin());
+    add_four(rest.data(), x, from, d, sums);
+  }
+  Cubic cubic;
+  for (std::size_t k = 0; k < 4; ++k) cubic[k] = sums[k][0] + sums[k][1] + sums[k][2] + sums[k][3];
+  return cubic;
 }
 
 }  // namespace
@@ -143,31 +137,19 @@ std::vector<Vector3d> outward_by_radius(const Mesh& mesh, const SkinWeights& wei
   return outward;
 }
 
-void keep_volume(const Mesh& mesh, std::span<const Vector3d> outward, const SkinWeights& weights,
-                 std::span<const SphereMotion> motions, double wanted, std::span<Vector3d> positions) {
-  const Directions directions = armature::sdk::directions(outward, weights, motions);
-  if (!(directions.most_of_radius > 0)) return;
-  const auto& d = directions.of;
-  // Six volumes of x + t d are a cubic in t.
-  using Cubic = std::array<double, 4>;
-  struct Sum : Cubic {
-    Sum operator+(const Sum& other) const { return Sum(*this) += other; }
-    Sum& operator+=(const Cubic& other) {
-      for (std::size_t k = 0; k < 4; ++k) (*this)[k] += other[k];
-      return *this;
-    }
-  };
+void keep_volume(const Mesh& mesh, std::span<const Vector3d> directions, double most_of_radius, double wanted,
+                 std::span<Vector3d> positions) {
+  if (!(most_of_radius > 0)) return;
   const Vector3d apex = apex_of(mesh, positions);
-  const Sum f = sum_over<Sum>(mesh, [&](const Triangle& corners) -> Cubic {
-    const auto [a, b, c] = seen_from(apex, positions, corners);
-    const Vector3d bc = b.cross(c);
-    const Vector3d &p = d[corners[0].index()], &q = d[corners[1].index()], &r = d[corners[2].index()];
-    if (p.isZero(0) && q.isZero(0) && r.isZero(0)) return {a.dot(bc), 0, 0, 0};
-    const Vector3d qr = q.cross(r);
-    return {a.dot(bc), p.dot(bc) + q.dot(c.cross(a)) + r.dot(a.cross(b)),
-            a.dot(qr) + b.dot(r.cross(p)) + c.dot(p.cross(q)), p.dot(qr)};
-  });
-  const double most = kMostOfRadius / directions.most_of_radius;
+  const std::span<const Triangle> triangles = mesh.triangles;
+  const Cubic f = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, triangles.size(), kGrain), Cubic{},
+      [&](const auto& range, const Cubic& sum) {
+        return sum +
+               cubic_of(triangles.subspan(range.begin(), range.size()), positions.data(), apex, directions.data());
+      },
+      std::plus{});
+  const double most = kMostOfRadius / most_of_radius;
   const auto excess = [&](double t) { return f[0] + t * (f[1] + t * (f[2] + t * f[3])) - wanted; };
   double t = 0;
   for (int round = 0; round < kRounds; ++round) {
@@ -177,8 +159,8 @@ void keep_volume(const Mesh& mesh, std::span<const Vector3d> outward, const Skin
   }
   if (!(std::abs(excess(t)) < std::abs(excess(0)))) return;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), kGrain), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v)
-      if (!d[v].isZero(0)) positions[v] += t * d[v];
+    // What nothing disagrees about keeps its bits.
+    for (std::size_t v = range.begin(); v != range.end(); ++v) positions[v] += t * directions[v];
   });
 }
 

@@ -23,9 +23,10 @@ namespace armature::sdk {
 
 /// Gives a closed mesh the volume back that blended turns have given or taken (after von Funck, Theisel, Seidel 2008):
 /// where turns disagree, the surface moves outward or inward, more where they disagree more and where spheres are
-/// larger, by at most half of their radius; what turns as a whole stays. `outward` is that of the mesh at rest,
-/// `wanted` its six_volumes(), `positions` are where `skin()` has taken it. The same bits on any number of threads.
-void keep_volume(const Mesh& mesh, std::span<const Eigen::Vector3d> outward, const SkinWeights& weights,
-                 std::span<const SphereMotion> motions, double wanted, std::span<Eigen::Vector3d> positions);
+/// larger, by at most half of their radius; what turns as a whole stays. `wanted` is the six_volumes() of the mesh at
+/// rest; `positions` and `directions` are what skin_with_directions() has made of it and of its outward_by_radius(),
+/// `most_of_radius` what it has returned. The same bits on any number of threads.
+void keep_volume(const Mesh& mesh, std::span<const Eigen::Vector3d> directions, double most_of_radius, double wanted,
+                 std::span<Eigen::Vector3d> positions);
 
 }  // namespace armature::sdk

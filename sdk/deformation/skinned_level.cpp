@@ -6,6 +6,7 @@
 #include <armature/sdk/distance/sphere_mesh_tree.h>
 #include <armature/sdk/mesh/measures.h>
 
+#include "sdk/deformation/blended_turns.h"
 #include "sdk/deformation/kept_volume.h"
 
 namespace armature::sdk {
@@ -50,18 +51,23 @@ void SkinnedLevel::find_outward(const WeightColumn& column) {
   }
 }
 
-void SkinnedLevel::restore_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
-  if (!closed_) closed_ = is_closed(mesh_);
-  if (!*closed_) return;
+void SkinnedLevel::move_keeping_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
   if (!at_rest_)
     at_rest_ = AtRest{outward_by_radius(mesh_, weights_, shape_.spheres), six_volumes(mesh_, mesh_.positions)};
-  keep_volume(mesh_, at_rest_->outward, weights_, motions, at_rest_->six_volumes, out);
+  directions_.resize(out.size());
+  const double most = skin_with_directions(weights_, motions, mesh_.positions, out, at_rest_->outward, directions_);
+  keep_volume(mesh_, directions_, most, at_rest_->six_volumes, out);
 }
 
 void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, Volume volume) {
   if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; })) {
-    skin(weights_, motions, blend, mesh_.positions, out);
-    if (volume == Volume::Kept && blend == Blend::DualQuaternions) restore_volume(motions, out);
+    const bool keeps = volume == Volume::Kept && blend == Blend::DualQuaternions &&
+                       std::ranges::all_of(motions, &SphereMotion::only_turns);
+    if (keeps && !closed_) closed_ = is_closed(mesh_);
+    if (keeps && *closed_)
+      move_keeping_volume(motions, out);
+    else
+      skin(weights_, motions, blend, mesh_.positions, out);
     return;
   }
   std::ranges::copy(mesh_.positions, out.begin());

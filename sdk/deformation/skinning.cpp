@@ -6,8 +6,9 @@
 
 #include <armature/sdk/deformation/skinning.h>
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
+#include "sdk/deformation/blended_turns.h"
 #include "sdk/mesh/four.h"
 
 namespace armature::sdk {
@@ -21,6 +22,8 @@ using Eigen::Vector3d;
 ///   linear:           A - 1, column by column | shift
 constexpr std::size_t kChannels = 12;
 using Channels = std::array<double, kChannels>;
+/// Turns that differ by less are one.
+constexpr double kAgree = 1e-9;
 /// So many vertices are worked on at a time: their sums stay in the cache next to the processor.
 constexpr std::size_t kBlock = 256;
 /// By vertex of a block.
@@ -73,11 +76,14 @@ struct Mover {
 };
 
 struct Job {
-  std::vector<Mover> movers;
-  bool signs_agree;  // no two turns lie more than 180 degrees apart as quaternions
+  std::vector<Mover> movers = {};
+  bool signs_agree = true;  // no two turns lie more than 180 degrees apart as quaternions
   std::span<const double> totals;
   std::span<const Vector3d> rest;
   std::span<Vector3d> out;
+  // Or empty:
+  std::span<const Vector3d> outward = {};
+  std::span<Vector3d> directions = {};
 };
 
 /// Calls f(i, v) for each entry of a sphere that lies in the block; returns where the next block begins.
@@ -112,14 +118,36 @@ ARMATURE_INLINE std::array<Four, 4> lanes(const Channels* sums, std::size_t firs
   return rows;
 }
 
+ARMATURE_INLINE FourVectors four_of(const Vector3d* v) {
+  return four_vectors(v[0], v[1], v[2], v[3]);
+}
+ARMATURE_INLINE void store(const FourVectors& four, Vector3d* v) {
+  for (int k = 0; k < 4; ++k) v[k] = {four.x[k], four.y[k], four.z[k]};
+}
+
+/// Turns four vectors by blended turns, and shortens them to how much these disagree.
+ARMATURE_INLINE void direct_four(const Channels* sums, const double* totals, const Vector3d* outward,
+                                 Vector3d* directions, Four& most) {
+  Four all;
+  std::memcpy(&all, totals, sizeof all);
+  const auto [bx, by, bz, less] = lanes(sums, 0);
+  const Four bw = all + less;
+  const Four squared = bx * bx + by * by + bz * bz + bw * bw;
+  const Four differ = 1 - squared / (all * all);
+  const Four disagree = differ > kAgree ? differ : differ * 0;
+  const FourVectors b{bx, by, bz};
+  const FourVectors v = four_of(outward);
+  const Four twice = 2 / squared;
+  store(disagree * (v + twice * cross(b, cross(b, v) + bw * v)), directions);
+  most = disagree > most ? disagree : most;
+}
+
 /// Moves four vertices.
 template <Way way>
 ARMATURE_INLINE void move_four(const Channels* sums, const double* totals, const Vector3d* rest, Vector3d* out) {
   Four all;
   std::memcpy(&all, totals, sizeof all);
-  Four x{rest[0].x(), rest[1].x(), rest[2].x(), rest[3].x()};
-  Four y{rest[0].y(), rest[1].y(), rest[2].y(), rest[3].y()};
-  Four z{rest[0].z(), rest[1].z(), rest[2].z(), rest[3].z()};
+  auto [x, y, z] = four_of(rest);
   if constexpr (way == Way::Linear) {
     const Four part = 1 / all;
     const auto [xx, yx, zx, xy] = lanes(sums, 0);
@@ -148,28 +176,48 @@ ARMATURE_INLINE void move_four(const Channels* sums, const double* totals, const
     y += twice * (bz * cx - bx * cz + bw * ey - ew * by + bz * ex - bx * ez);
     z += twice * (bx * cy - by * cx + bw * ez - ew * bz + bx * ey - by * ex);
   }
-  for (int v = 0; v < 4; ++v) out[v] = {x[v], y[v], z[v]};
+  store({x, y, z}, out);
 }
 
-/// Moves the vertices of a block.
-template <Way way>
-ARMATURE_INLINE void move(const Job& job, std::size_t first, const Sums& sums) {
-  const std::size_t count = std::min(kBlock, job.rest.size() - first);
+/// Calls f(sums, totals, in, out) for each four vertices of a block.
+template <class F>
+ARMATURE_INLINE void for_each_four(const Job& job, std::size_t first, const Sums& sums, std::span<const Vector3d> in,
+                                   std::span<Vector3d> out, const F& f) {
+  const std::size_t count = std::min(kBlock, in.size() - first);
   const std::size_t fours = count / 4 * 4;
-  for (std::size_t v = 0; v < fours; v += 4)
-    move_four<way>(&sums[v], &job.totals[first + v], &job.rest[first + v], &job.out[first + v]);
+  for (std::size_t v = 0; v < fours; v += 4) f(&sums[v], &job.totals[first + v], &in[first + v], &out[first + v]);
   if (fours == count) return;
   std::array<double, 4> totals{1, 1, 1, 1};
   std::array<Vector3d, 4> x;
   x.fill(Vector3d::Zero());
   std::copy_n(&job.totals[first + fours], count - fours, totals.begin());
-  std::copy_n(&job.rest[first + fours], count - fours, x.begin());
-  move_four<way>(&sums[fours], totals.data(), x.data(), x.data());
-  std::copy_n(x.begin(), count - fours, &job.out[first + fours]);
+  std::copy_n(&in[first + fours], count - fours, x.begin());
+  f(&sums[fours], totals.data(), x.data(), x.data());
+  std::copy_n(x.begin(), count - fours, &out[first + fours]);
 }
 
+/// Moves the vertices of a block; the most by which turns disagree, if that is asked for.
 template <Way way>
-ARMATURE_INLINE void skin_blocks(const Job& job, std::size_t begin, std::size_t end) {
+ARMATURE_INLINE double move(const Job& job, std::size_t first, const Sums& sums) {
+  Four most{};
+  if (way != Way::Linear && !job.directions.empty()) {
+    const auto direct = [&](const Channels* sum, const double* totals, const Vector3d* in, Vector3d* out)
+        __attribute__((always_inline)) {
+      direct_four(sum, totals, in, out, most);
+    };
+    for_each_four(job, first, sums, job.outward, job.directions, direct);
+  }
+  const auto moving =
+      [](const Channels* sum, const double* totals, const Vector3d* in, Vector3d* out) __attribute__((always_inline)) {
+    move_four<way>(sum, totals, in, out);
+  };
+  for_each_four(job, first, sums, job.rest, job.out, moving);
+  return std::max({most[0], most[1], most[2], most[3]});
+}
+
+/// The most by which turns disagree, if that is asked for.
+template <Way way>
+ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_t end) {
   const auto& movers = job.movers;
   // Where each sphere's entries for the next block begin, and in which vertex.
   std::vector<std::size_t> at(movers.size());
@@ -183,7 +231,8 @@ ARMATURE_INLINE void skin_blocks(const Job& job, std::size_t begin, std::size_t 
     const auto* const found = std::lower_bound(movers[m].vertices, last, VertexId(begin * kBlock));
     go_on(m, static_cast<std::size_t>(found - movers[m].vertices));
   }
-  Sums sums;
+  Sums sums{};
+  double most = 0;
   std::vector<std::size_t> here;
   for (std::size_t first = begin * kBlock; first < end * kBlock; first += kBlock) {
     here.clear();
@@ -192,6 +241,7 @@ ARMATURE_INLINE void skin_blocks(const Job& job, std::size_t begin, std::size_t 
     const std::size_t count = std::min(kBlock, job.rest.size() - first);
     if (here.empty()) {
       if (job.rest.data() != job.out.data()) std::copy_n(&job.rest[first], count, &job.out[first]);
+      if (!job.directions.empty()) std::fill_n(&job.directions[first], count, Vector3d::Zero());
       continue;
     }
     for (Channels& sum : sums)
@@ -215,18 +265,19 @@ ARMATURE_INLINE void skin_blocks(const Job& job, std::size_t begin, std::size_t 
               }));
       for (std::size_t v = 0; v < count; ++v) sums[v][3] -= job.totals[first + v];
     }
-    move<way>(job, first, sums);
+    most = std::max(most, move<way>(job, first, sums));
   }
+  return most;
 }
 
-ARMATURE_LANES void skin_linearly(const Job& job, std::size_t begin, std::size_t end) {
-  skin_blocks<Way::Linear>(job, begin, end);
+ARMATURE_LANES double skin_linearly(const Job& job, std::size_t begin, std::size_t end) {
+  return skin_blocks<Way::Linear>(job, begin, end);
 }
-ARMATURE_LANES void skin_by_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
-  skin_blocks<Way::DualQuaternions>(job, begin, end);
+ARMATURE_LANES double skin_by_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
+  return skin_blocks<Way::DualQuaternions>(job, begin, end);
 }
-ARMATURE_LANES void skin_by_stretched_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
-  skin_blocks<Way::DualQuaternionsAndStretches>(job, begin, end);
+ARMATURE_LANES double skin_by_stretched_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
+  return skin_blocks<Way::DualQuaternionsAndStretches>(job, begin, end);
 }
 
 /// Whether no two of the turns are more than 180 degrees apart as quaternions, the one that changes nothing included.
@@ -243,12 +294,9 @@ bool signs_agree(const std::vector<Mover>& movers) {
   return true;
 }
 
-}  // namespace
-
-void skin(const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend,
-          std::span<const Vector3d> rest, std::span<Vector3d> out) {
-  assert(motions.size() == weights.columns.size() && rest.size() == weights.totals.size() && out.size() == rest.size());
-  Job job{.movers = {}, .signs_agree = true, .totals = weights.totals, .rest = rest, .out = out};
+double skin(Job job, const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend) {
+  assert(motions.size() == weights.columns.size() && job.rest.size() == weights.totals.size() &&
+         job.out.size() == job.rest.size());
   bool stretches = false;
   for (std::size_t s = 0; s < motions.size(); ++s) {
     if (motions[s].moves_nothing()) continue;
@@ -261,10 +309,27 @@ void skin(const SkinWeights& weights, std::span<const SphereMotion> motions, Ble
   const auto run = blend == Blend::Linear ? skin_linearly
                    : stretches            ? skin_by_stretched_dual_quaternions
                                           : skin_by_dual_quaternions;
-  const std::size_t blocks = (rest.size() + kBlock - 1) / kBlock;
+  const std::size_t blocks = (job.rest.size() + kBlock - 1) / kBlock;
   constexpr std::size_t kBlocksAtATime = 32;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, kBlocksAtATime),
-                    [&](const auto& range) { run(job, range.begin(), range.end()); });
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, blocks, kBlocksAtATime), 0.0,
+      [&](const auto& range, double most) { return std::max(most, run(job, range.begin(), range.end())); },
+      [](double a, double b) { return std::max(a, b); });
+}
+
+}  // namespace
+
+void skin(const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend,
+          std::span<const Vector3d> rest, std::span<Vector3d> out) {
+  skin({.totals = weights.totals, .rest = rest, .out = out}, weights, motions, blend);
+}
+
+double skin_with_directions(const SkinWeights& weights, std::span<const SphereMotion> motions,
+                            std::span<const Vector3d> rest, std::span<Vector3d> out, std::span<const Vector3d> outward,
+                            std::span<Vector3d> directions) {
+  assert(outward.size() == rest.size() && directions.size() == rest.size());
+  return skin({.totals = weights.totals, .rest = rest, .out = out, .outward = outward, .directions = directions},
+              weights, motions, Blend::DualQuaternions);
 }
 
 }  // namespace armature::sdk

@@ -23,10 +23,6 @@ Expected<void> check(const SphereMove& move, std::size_t spheres) {
   return {};
 }
 
-bool only_turns(const SphereMove& move) noexcept {
-  return move.translate.isZero(0) && move.scale == 1 && !move.radius;
-}
-
 std::vector<SphereMotion> at_rest(std::span<const Sphere> spheres) {
   std::vector<SphereMotion> motions;
   motions.reserve(spheres.size());

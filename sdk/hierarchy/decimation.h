@@ -66,8 +66,8 @@ class SimilarCollapses {
 /// With `similar`, a step collapses the cheapest edge and those like it, as far as they are independent: no end of one
 /// is an end or a neighbour of an end of another. Like regions cost alike, so the queue itself is the structure that
 /// finds them: only what stands near its head is looked at. Edges whose ends correspond go together or not at all, when
-/// the dearest of them is due, or the union of what those join that share ends; these alone need not be independent, and
-/// go one after another. `similar_steps.h` holds how.
+/// the dearest of them is due, or the union of what those join that share ends; these alone need not be independent,
+/// and go one after another. `similar_steps.h` holds how.
 template <class Metric>
 class Decimation {
  public:
@@ -139,8 +139,8 @@ class Decimation {
   static constexpr std::uint32_t kPenalty = 0x8000'0000U;
   static constexpr std::uint32_t kForbidden = 0x7F80'0000U;  // infinity
   static constexpr std::uint32_t kNever = 0xFFFF'FFFFU;
-  // What has no counterpart yet, or touches it, waits until it has cost so many times; and again, from there on,
-  // whenever an end has grown.
+  // What has not all of its counterparts, or may not be done with them, waits until it has cost so many times; and
+  // again, from there on, whenever an end has grown.
   static constexpr double kPatience = 4;
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {

@@ -250,7 +250,7 @@ void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
 
 template <class Metric>
 void Decimation<Metric>::give_back(std::uint32_t edge) {
-  if ((complex_.note(edge) & kOut) != 0) queue_.push(entry(edge));
+  if ((complex_.note(edge) & kOut) != 0 && (complex_.key(edge) & ~kPenalty) < kForbidden) queue_.push(entry(edge));
   complex_.note(edge) &= static_cast<std::uint8_t>(~(kTaken | kOut));
 }
 

@@ -49,7 +49,8 @@ void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {
 
 double SqemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
   const auto is_pinned = [&](std::uint32_t slot) { return bool{pinned_[slot]}; };
-  if (!pinned_.empty() && std::ranges::count_if(slots, is_pinned) > 1) return std::numeric_limits<double>::infinity();
+  const auto pins = pinned_.empty() ? 0 : std::ranges::count_if(slots, is_pinned);
+  if (pins > 1) return std::numeric_limits<double>::infinity();
   const std::uint32_t a = slots.front();
   SphericalQuadric quadric = regions_[a].quadric;
   Extents extents = extents_[a];
@@ -70,10 +71,16 @@ double SqemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
       weights += weight(b);
     }
   }
-  const double planes = minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
-                          return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents));
-                        }).cost;
-  return (by_increase_ ? std::max(planes - errors, 0.0) : planes) + compactness_ * ward;
+  double planes = 0;
+  if (pins == 1) {
+    const Sphere& sphere = spheres_[*std::ranges::find_if(slots, is_pinned)];
+    planes = std::max(quadric({sphere.centre - spheres_[a].centre, sphere.radius}), 0.0);
+  } else {
+    planes = minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
+               return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents));
+             }).cost;
+  }
+  return (by_increase_ ? std::max(planes - errors, 0.0) : planes) + compactness_ * weights * ward;
 }
 
 SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,

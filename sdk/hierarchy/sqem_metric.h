@@ -80,10 +80,9 @@ class SqemMetric {
   };
 
   [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
-  /// Ward's distance of two regions: what their second moments gain by being one.
+  /// How far apart two regions are: what their second moments gain by being one (Ward 1963), times their area.
   [[nodiscard]] double apart(std::uint32_t a, std::uint32_t b) const noexcept {
-    const double both = weight(a) + weight(b);
-    return both > 0 ? 0.5 * weight(a) * weight(b) / both * (means_[a] - means_[b]).squaredNorm() : 0;
+    return 0.5 * weight(a) * weight(b) * (means_[a] - means_[b]).squaredNorm();
   }
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.

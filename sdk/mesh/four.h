@@ -31,4 +31,29 @@ ARMATURE_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {
   d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
+/// Four vectors side by side.
+struct FourVectors {
+  Four x, y, z;
+};
+template <class Vector>
+ARMATURE_INLINE FourVectors four_vectors(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
+  return {Four{a.x(), b.x(), c.x(), d.x()}, Four{a.y(), b.y(), c.y(), d.y()}, Four{a.z(), b.z(), c.z(), d.z()}};
+}
+ARMATURE_INLINE FourVectors operator+(const FourVectors& a, const FourVectors& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+ARMATURE_INLINE FourVectors operator-(const FourVectors& a, const FourVectors& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+ARMATURE_INLINE FourVectors operator*(const Four& by, const FourVectors& v) {
+  return {by * v.x, by * v.y, by * v.z};
+}
+ARMATURE_INLINE FourVectors cross(const FourVectors& a, const FourVectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Adds four scalar products.
+ARMATURE_INLINE void add_dot(const FourVectors& a, const FourVectors& b, Four& sum) {
+  sum += a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 }  // namespace armature::sdk

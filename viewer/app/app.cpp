@@ -133,6 +133,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   draw_view_hints(ui_);
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
+  lay_out(width, height);  // again: the sidebar may have closed a model
   if (ui_.beside.size.x > 0) {
     draw_name(ui_.view, session_.models[session_.active_model]->name);
     draw_name(ui_.beside, session_.other()->name);
@@ -152,8 +153,9 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
     }
     const auto& other = session_.models[session_.beside - 1];
     if (auto drawn = draw_view(*beside_, other, ui_.beside, height, framebuffer, careful); !drawn) return drawn;
-  } else {
-    beside_.reset();
+  } else if (beside_) {
+    beside_->rest();
+    if (!beside_->awaits()) beside_.reset();
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);

@@ -36,6 +36,8 @@ class ViewPainter {
   /// The framebuffer that holds it.
   /// It may have fewer pixels than the view.
   [[nodiscard]] const Painter& picture() const noexcept { return rough_ ? quick_ : careful_; }
+  /// Nothing more of it is shown: what is being made for it is not wanted.
+  void rest() { mesh_->rest(); }
   /// How many pictures it has painted.
   [[nodiscard]] std::size_t painted() const noexcept { return painted_; }
   /// Whether the picture is rougher or older than it could be and should be painted again soon.

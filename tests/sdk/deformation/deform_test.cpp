@@ -41,6 +41,8 @@ Mesh moved(const Mesh& mesh, const Eigen::Affine3d& by) {
   return result;
 }
 
+/// Cuts straight tubes across.
+const HierarchyOptions kCompact = {.compactness = 0.05};
 constexpr std::array kBlends = {Blend::DualQuaternions, Blend::Linear};
 constexpr std::array kSources = {WeightSource::Clusters, WeightSource::ClosestPrimitive};
 
@@ -89,7 +91,8 @@ TEST(Deform, BendsATubeWithoutLosingVolume) {
         const SphereMove bend{.spheres = tube.spheres_where(level, [](const Sphere& s) { return s.centre.x() > 0.01; }),
                               .rotate = {0, 0, angle},
                               .about = Vector3d::Zero()};
-        const auto bent = deform(tube.mesh, tube.hierarchy, level, std::vector{bend}, {.weights = source});
+        const auto bent =
+            deform(tube.mesh, tube.hierarchy, level, std::vector{bend}, {.weights = source, .keep_volume = false});
         EXPECT_NEAR(tubes::volume(*bent) / before, 1, 0.02) << level << ' ' << angle;
         EXPECT_GT(bounding_box(*bent).sizes().y(), bounding_box(tube.mesh).sizes().y() + angle);
       }
@@ -99,7 +102,7 @@ TEST(Deform, BendsAStraightCylinderOfCompactClustersWithoutLosingVolume) {
   // Nothing tells the sides of a perfect cylinder apart. Its axis becomes an arc, then it bends in its middle third.
   constexpr double kLength = 8;
   for (const int around : {32, 48}) {
-    const Shape tube(tubes::tube(kLength, 1, 0, around, 160), {.compactness = 0.01});
+    const Shape tube(tubes::tube(kLength, 1, 0, around, 160), kCompact);
     const double before = tubes::volume(tube.mesh);
     for (const std::size_t level : {6, 10, 20}) {
       const auto spheres = tube.hierarchy.level(level)->spheres;
@@ -134,7 +137,7 @@ SphereMove hinge(const Shape& shape, std::size_t level, double x, double angle) 
 
 TEST(Deform, KeepsTheVolumeWhereASharpBendWouldNot) {
   for (const auto& [length, around, along] : {std::tuple{8.0, 96, 160}, {6.0 / 0.7, 32, 80}, {24.0, 32, 200}}) {
-    const Shape tube(tubes::tube(length, 1, 0, around, along), {.compactness = 0.01});
+    const Shape tube(tubes::tube(length, 1, 0, around, along), kCompact);
     const double before = tubes::volume(tube.mesh);
     for (const std::size_t level : {6, 10, 20})
       for (const double x : {0.01, 0.15, -0.2})
@@ -149,7 +152,7 @@ TEST(Deform, KeepsTheVolumeWhereASharpBendWouldNot) {
 
 TEST(Deform, KeepsTheVolumeFarFromTheOrigin) {
   const Vector3d far(1e5, 4e6, -3e5);
-  const Shape tube(surfaces::moved(tubes::tube(8, 1, 0, 48, 160), far), {.compactness = 0.01});
+  const Shape tube(surfaces::moved(tubes::tube(8, 1, 0, 48, 160), far), kCompact);
   const auto volume_of = [&](const Mesh& mesh) { return tubes::volume(surfaces::moved(mesh, -far)); };
   std::vector move{hinge(tube, 10, far.x(), 1.5)};
   move[0].about = far;
@@ -188,7 +191,7 @@ TEST(Deform, KeepsTheVolumeOnlyWhereTurnsBlend) {
   EXPECT_GT(moved, 100U);
   // What pulls or swells means to change it.
   std::vector pull = move;
-  pull[0].translate = {0.1, 0, 0};
+  pull[0].translate = {0, 0, 0.1};
   EXPECT_EQ(deform(tube.mesh, tube.hierarchy, 8, pull)->positions,
             deform(tube.mesh, tube.hierarchy, 8, pull, {.keep_volume = false})->positions);
   // An open mesh has none.
@@ -207,7 +210,7 @@ TEST(Deform, TwistsATubeWithoutLosingVolume) {
     twist.push_back({.spheres = {SphereId(s)}, .rotate = {0.5 * spheres[s].centre.x(), 0, 0}});
   const double before = tubes::volume(tube.mesh);
   const auto volume_with = [&](Blend blend) {
-    return tubes::volume(*deform(tube.mesh, tube.hierarchy, 6, twist, {.blend = blend})) / before;
+    return tubes::volume(*deform(tube.mesh, tube.hierarchy, 6, twist, {.blend = blend, .keep_volume = false})) / before;
   };
   EXPECT_NEAR(volume_with(Blend::DualQuaternions), 1, 0.02);
   EXPECT_LT(volume_with(Blend::Linear), volume_with(Blend::DualQuaternions));

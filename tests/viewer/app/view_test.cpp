@@ -4,8 +4,11 @@
 #include <random>
 
 #include <armature/sdk/spheremesh/extract.h>
+#include <backends/imgui_impl_opengl3.h>
 #include <gtest/gtest.h>
+#include <imgui.h>
 
+#include "viewer/app/app.h"
 #include "viewer/app/view_painter.h"
 #include "viewer/render/gl_context.h"
 
@@ -273,6 +276,39 @@ TEST_F(TheView, HasFewerPixelsOnlyWhileItMovesWhereThatIsSlow) {
   for (int bits = 0; painter->rough() && bits < 1000; ++bits) paint();
   EXPECT_FALSE(painter->rough());
   EXPECT_EQ(painter->picture().width(), kWidth);
+}
+
+TEST_F(TheView, OfTwoModelsBearsThatTheSidebarTakesOneAway) {
+  session.add(model_of(tangle(1)));
+  session.add(model_of(tangle(2)));
+  ASSERT_TRUE(session.execute("beside 1"));
+  ImGui::CreateContext();
+  {
+    const auto app = App::create(session, 1);
+    ASSERT_TRUE(app) << app.error().message;
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {800, 480};
+    io.DeltaTime = 0.02F;
+    const auto draw = [&] {
+      ImGui_ImplOpenGL3_NewFrame();
+      const auto drawn = (*app)->draw(800, 480, stage()->painter->picture().framebuffer(), false);
+      EXPECT_TRUE(drawn) << drawn.error().message;
+    };
+    static_cast<void>(painted());  // makes the framebuffer
+    // Down along the sidebar, below the buttons that open dialogs, until something was hit that ends it.
+    for (float y = 80; y < 200 && session.other() != nullptr; y += 6) {
+      io.MousePos = {24, y};
+      draw();
+      for (const bool down : {true, false}) {
+        io.MouseDown[ImGuiMouseButton_Left] = down;
+        draw();
+      }
+      ASSERT_TRUE(session.execute("mode shapes"));
+    }
+    EXPECT_EQ(session.other(), nullptr) << "nothing was hit";
+    draw();
+  }
+  ImGui::DestroyContext();
 }
 
 }  // namespace

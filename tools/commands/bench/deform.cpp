@@ -132,13 +132,15 @@ class DeformBench {
     sdk::SphereWeights weights(*diffusion_, hierarchy_);
     const sdk::SkinWeights skin = weights.of(nodes);
     auto motions = sdk::at_rest(hierarchy_.level(options_.spheres)->spheres);
+    auto turns = motions;
+    const Eigen::Vector3d middle = sdk::bounding_box(mesh_).center();
     const double diagonal = sdk::bounding_box_diagonal(mesh_);
     for (std::size_t s = 0; s < motions.size(); ++s) {
       const double part = static_cast<double>(s) / static_cast<double>(motions.size());
-      sdk::move_spheres({.spheres = {sdk::SphereId(s)},
-                         .translate = {0.01 * diagonal * part, 0.005 * diagonal, 0},
-                         .rotate = {0.3 * part, 0.2, -0.1 * part}},
-                        motions);
+      const Eigen::Vector3d rotate(0.3 * part, 0.2, -0.1 * part);
+      const Eigen::Vector3d translate(0.01 * diagonal * part, 0.005 * diagonal, 0);
+      sdk::move_spheres({.spheres = {sdk::SphereId(s)}, .translate = translate, .rotate = rotate}, motions);
+      sdk::move_spheres({.spheres = {sdk::SphereId(s)}, .rotate = rotate, .about = middle}, turns);
     }
     std::vector<Eigen::Vector3d> out = mesh_.positions;
     std::size_t entries = 0;
@@ -150,14 +152,14 @@ class DeformBench {
     const double dual = time(sdk::Blend::DualQuaternions);
     sdk::SkinnedLevel level(skin, *hierarchy_.level(options_.spheres), mesh_);
     const double kept =
-        fastest(5 * options_.rounds, [&] { level.move(motions, sdk::Blend::DualQuaternions, out, sdk::Volume::Kept); });
+        fastest(5 * options_.rounds, [&] { level.move(turns, sdk::Blend::DualQuaternions, out, sdk::Volume::Kept); });
+    level.move(motions, sdk::Blend::DualQuaternions, out);
     const sdk::Refit refit(mesh_, hierarchy_);
     const double refit_ms = fastest(5 * options_.rounds, [&] { (void)refit.fit(nodes, out); });
     return say("influences", static_cast<double>(entries) / static_cast<double>(out.size()), "",
                "spheres that move a vertex, in the mean")
         .and_then([&] { return say("frame", dual, "ms", "all vertices by dual quaternions, all spheres moving"); })
-        .and_then(
-            [&] { return say("frame, volume kept", kept, "ms", "the same with the volume kept, as turns keep it"); })
+        .and_then([&] { return say("frame, volume kept", kept, "ms", "all spheres turning, with the volume kept"); })
         .and_then([&] { return say("frame, linear", linear, "ms", "the same by linear blending"); })
         .and_then([&] { return say("refit", refit_ms, "ms", "all spheres of the level, everything moved"); });
   }

@@ -85,9 +85,9 @@ sdk::PointSet torus(int around) {
 }
 
 /// What descriptors cost and how exact they are, and edits that are carried by likeness (thesis, chapters 5.6 and 6).
-class DescriptorsBench {
+class DescriptorsBench : Report {
  public:
-  explicit DescriptorsBench(DescriptorsBenchOptions options) : options_(std::move(options)) {}
+  explicit DescriptorsBench(DescriptorsBenchOptions options) : Report{options.json}, options_(std::move(options)) {}
 
   Expected<void> run() { return run_sections(*this, kSections, options_.only, call_, section_); }
 
@@ -333,16 +333,6 @@ class DescriptorsBench {
     if (const auto* smooth = std::get_if<sdk::SmoothEdit>(&edit)) return sdk::SmoothEdit{scale * smooth->length};
     const auto& handle = std::get<sdk::HandleEdit>(edit);
     return sdk::HandleEdit{(there * handle.point.homogeneous()).head<3>(), there.topLeftCorner<3, 3>() * handle.by};
-  }
-
-  void title(const std::string& text) const {
-    if (!options_.json) fmt::print("\n{}\n", text);
-  }
-  Expected<void> say(const Json& json, const std::string& line) const {
-    if (options_.json) return write_json_line(stdout, json);
-    fmt::print("{}\n", line);
-    std::fflush(stdout);
-    return {};
   }
 
   DescriptorsBenchOptions options_;

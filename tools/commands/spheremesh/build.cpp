@@ -30,8 +30,8 @@ struct BuildOptions {
   std::string in, out, hierarchy_out, pins, labels;
   std::optional<std::size_t> spheres;
   std::optional<double> error_percent;
-  std::optional<double> importance, regularise;
-  double enrichment = 0, compactness = 0;
+  std::optional<double> importance, regularise, compactness;
+  double enrichment = 0;
   bool paper = false, keep_topology = false, painted = false;
   bool refine = false, inner = false, outer = false;
   bool json = false;
@@ -43,7 +43,7 @@ Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, c
   sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
   result.importance = options.importance.value_or(result.importance);
   result.regularise = options.regularise.value_or(result.regularise);
-  result.compactness = options.compactness;
+  result.compactness = options.compactness.value_or(result.compactness);
   result.enrichment = options.enrichment;
   result.keep_topology = options.keep_topology;
   if (!options.pins.empty()) {
@@ -194,11 +194,11 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   command->add_option("--regularise", options->regularise, "pull towards the middle of the region (default: 1e-4)")
       ->check(CLI::NonNegativeNumber);
   command
-      ->add_option("--compactness", options->compactness,
-                   "join regions that lie close together first: 0.01 cuts straight tubes across, as bends want it, not "
-                   "along")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->add_option(
+          "--compactness", options->compactness,
+          "join regions that lie close together first: 0.05 cuts straight tubes across, as bends want it, not along "
+          "(default: 0)")
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh")
       ->excludes(enrich);
   command

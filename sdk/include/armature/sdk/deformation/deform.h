@@ -25,7 +25,7 @@ struct DeformOptions {
   HeatOptions heat = {};                          ///< how weights spread
   WeightSource weights = WeightSource::Clusters;  ///< where they start from
   Blend blend = Blend::DualQuaternions;           ///< how motions are blended
-  /// Moves that only turn, by dual quaternions, leave the volume of a closed mesh as it was: see
+  /// Where spheres only turn, by dual quaternions, a closed mesh has the volume afterwards that it had: see
   /// `SkinnedLevel::move()`.
   bool keep_volume = true;
 };

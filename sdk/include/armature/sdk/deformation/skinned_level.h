@@ -32,8 +32,8 @@ class SkinnedLevel {
   ///
   /// With `Volume::Kept` and dual quaternions, a closed mesh has the volume afterwards that it had, as far as that
   /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most half of the
-  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. For motions that turn
-  /// spheres; others mean to change the volume.
+  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. So where every sphere turns
+  /// about some axis, wherever that is, or stays; what shifts, screws, stretches or swells means to change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
             Volume volume = Volume::Free);
 
@@ -45,7 +45,7 @@ class SkinnedLevel {
 
  private:
   void find_outward(const WeightColumn& column);
-  void restore_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
+  void move_keeping_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
 
   SkinWeights weights_;
   SphereMesh shape_;
@@ -58,6 +58,7 @@ class SkinnedLevel {
     double six_volumes;
   };
   std::optional<AtRest> at_rest_;
+  std::vector<Eigen::Vector3d> directions_;  // of the last move that kept it: kept for its room
 };
 
 }  // namespace armature::sdk

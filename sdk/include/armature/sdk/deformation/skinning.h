@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -24,6 +25,14 @@ struct SphereMotion {
   /// Whether nothing moves with it; its radius may have changed.
   [[nodiscard]] bool moves_nothing() const noexcept {
     return before.centre == after.centre && scale == 1 && turn.vec().isZero(0);
+  }
+  /// Whether it has turned about some axis, if anything: it may have been shifted across that axis, not along.
+  [[nodiscard]] bool only_turns() const noexcept {
+    constexpr double kRounding = 1e-6;
+    const Eigen::Vector3d shift = after.centre - before.centre;
+    const double sine = turn.vec().norm();
+    const double along = sine > 0 ? std::abs(shift.dot(turn.vec())) / sine : shift.norm();
+    return scale == 1 && after.radius == before.radius && along <= kRounding * (shift.norm() + before.radius);
   }
   /// How much its radius has grown beyond what was scaled, in lengths before the scaling.
   [[nodiscard]] double swelling() const noexcept {

@@ -26,9 +26,6 @@ struct SphereMove {
 /// What is wrong with a move of a level of so many spheres: names the field, and what was expected.
 [[nodiscard]] Expected<void> check(const SphereMove& move, std::size_t spheres);
 
-/// Whether a move turns spheres, if anything.
-[[nodiscard]] bool only_turns(const SphereMove& move) noexcept;
-
 /// Spheres that have not moved yet.
 [[nodiscard]] std::vector<SphereMotion> at_rest(std::span<const Sphere> spheres);
 

@@ -28,9 +28,11 @@ struct HierarchyOptions {
   /// The integral over the region of so much times |q - x|^2 is added to its error, in units of the bounding box's
   /// diagonal: it decides where the planes leave a sphere free to slide. 0 is the thesis's method.
   double regularise = 1e-4;
-  /// How much is added to the rank of a collapse for regions whose means lie apart, weighed as by Ward (1963): areas
-  /// times the squared distance. Planes alone cut a straight tube along, into staves whose spheres all lie at its
-  /// middle: 0.01 cuts it across, as bends want it. It changes the order of collapses, not the spheres of regions.
+  /// How much is added to the rank of a collapse for regions whose means lie apart: so many times half the product of
+  /// their areas and the squared distance, of unit area and diagonal; what second moments gain (Ward 1963), times the
+  /// area, which shrinks with regions as the error of curved ones does. Planes alone cut a straight tube along, into
+  /// staves whose spheres all lie at its middle: 0.05 cuts it across, as bends want it. It changes the order of
+  /// collapses, not the spheres of regions.
   double compactness = 0;
   /// Collapses are ranked by how much they add to the error of all regions, the sum that is to be small (equation 4.3);
   /// else, as in the thesis, by the error of the region that they make.
@@ -57,7 +59,12 @@ struct HierarchyOptions {
 
   /// The settings of the thesis's results.
   [[nodiscard]] static HierarchyOptions paper() {
-    return {.importance = 1, .regularise = 0, .by_increase = false, .radius_per_width = 0.75, .own_frame = false};
+    return {.importance = 1,
+            .regularise = 0,
+            .compactness = 0,
+            .by_increase = false,
+            .radius_per_width = 0.75,
+            .own_frame = false};
   }
 };
 
