@@ -18,6 +18,7 @@
 namespace armature::sdk {
 namespace {
 
+constexpr std::size_t kTried = 8;   // places that the patch is laid onto roughly, of each that is looked at closely
 constexpr double kApart = 0.75;     // centres of candidates, of the radius
 constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
 constexpr double kOverlap = 0.3;    // of the smaller of two regions, beyond which they are one place
@@ -154,7 +155,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const PatchContexts& contexts = made ? *made : *own;
     const auto similarity = contexts.similarity_to(reference, task);
     if (!similarity) return tl::unexpected(similarity.error());
-    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, 2 * options.most + 1)) {
+    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, kTried * options.most + 1)) {
       places.push_back(place);
       candidates.push_back({{}, contexts.of(place.centre)});
     }
@@ -173,12 +174,22 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   std::optional<FaceGraph> graph_elsewhere;
   if (!same_surface) graph_elsewhere.emplace(surface);
   const FaceGraph& graph = same_surface ? graph_of_patch : *graph_elsewhere;
-  const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
   task.report("laying the patch onto its likes", 0);
-  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
-    if (task.stopped()) return;
+  std::vector<RoughlyLaid> roughly(std::min(order.size(), kTried * options.most + (same_surface ? 1 : 0)));
+  tbb::parallel_for(std::size_t{0}, roughly.size(), [&](std::size_t rank) {
     const Place& place = places[order[rank]];
-    const Registration laid = model.lay_onto(graph, place.centre, place.scale, options.mirrored);
+    if (!task.stopped()) roughly[rank] = model.lay_roughly(graph, place.centre, place.scale, options.mirrored);
+  });
+  // Noise takes from the contexts of small patches nearly all that tells their likes from others.
+  const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
+  std::vector<std::size_t> closely(roughly.size());
+  std::iota(closely.begin(), closely.end(), std::size_t{0});
+  std::ranges::stable_sort(closely, {}, [&](std::size_t rank) { return roughly[rank].misfit(); });
+  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
+    if (task.stopped()) return;
+    const std::size_t rank = closely[i];
+    const Place& place = places[order[rank]];
+    const Registration laid = model.lay_closely(graph, roughly[rank]);
     Match& match = candidates[order[rank]].match;
     match.faces = model.extent(graph, laid);
     match.score = 0.5 * (double{place.similarity} + laid.fit);
@@ -203,8 +214,8 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const auto faces = surface.adjacency.faces(places[i].centre);
     return faces.empty() ? FaceId() : faces.front();
   };
-  const auto beyond = std::span(order).subspan(looked_at);
-  std::vector<std::size_t> by_score(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(looked_at));
+  std::vector<std::size_t> by_score;
+  for (const std::size_t rank : std::span(closely).first(looked_at)) by_score.push_back(order[rank]);
   std::ranges::stable_sort(by_score, std::greater{}, [&](std::size_t i) { return candidates[i].match.score; });
   for (const std::size_t i : by_score) {
     Match& match = candidates[i].match;
@@ -217,9 +228,10 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
       matches.push_back(std::move(candidates[i]));
     }
   }
-  for (const std::size_t i : beyond.first(std::min(beyond.size(), options.most)))
-    rejected.push_back({face_at(i), in_words("surroundings only %.0f %% alike: not among the best %.0f",
-                                             100 * double{places[i].similarity}, static_cast<double>(looked_at))});
+  for (const std::size_t rank : std::span(closely).subspan(looked_at))
+    rejected.push_back(
+        {face_at(order[rank]), in_words("surroundings only %.0f %% alike: not among the best %.0f",
+                                        100 * double{places[order[rank]].similarity}, static_cast<double>(looked_at))});
   return Expansion(std::move(reference_faces), std::move(matches), std::move(rejected));
 }
 
