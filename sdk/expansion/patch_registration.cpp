@@ -22,6 +22,7 @@ using Eigen::Vector3d;
 constexpr double kSamples = 600;  // of a patch's surroundings, about, and one a face at least
 constexpr std::size_t kMostSamples = 1500;
 constexpr std::size_t kFew = 120;   // that decide between angles
+constexpr std::size_t kSome = 150;  // that decide between ways that differ
 constexpr std::size_t kMany = 300;  // that decide where exactly
 constexpr std::size_t kAll = kMostSamples;
 constexpr std::size_t kStarts = 8;           // that are tried, of each handedness
@@ -39,11 +40,12 @@ constexpr double kScaleRange = 1.3;        // how far the scale may leave what w
 constexpr double kWorthMirroring = 0.9;    // a mirror image must leave so much less than the thing itself
 constexpr double kRoughlyUndecided = 0.2;  // of two misfits, the smaller over the larger: beyond, a closer look tells
 constexpr double kUndecided = 0.4;         // the same after that look
-constexpr double kLikely = 5e-4;           // a misfit of the same shape in noise
-constexpr double kAlike = 1e-5;            // misfits that differ by less tell nothing
-constexpr std::size_t kCellRings = 5;      // of the cells that noise is averaged over
-constexpr double kApart = 0.05;            // surfaces that do not lie on one another, of the radius
-constexpr double kReach = 0.2;             // surfaces that are not there, of the radius
+constexpr double kAnotherTurn = std::numbers::pi / 6;
+constexpr double kLikely = 5e-4;       // a misfit of the same shape in noise
+constexpr double kAlike = 2e-6;        // misfits that differ by less tell nothing
+constexpr std::size_t kCellRings = 5;  // of the cells that noise is averaged over
+constexpr double kApart = 0.05;        // surfaces that do not lie on one another, of the radius
+constexpr double kReach = 0.2;         // surfaces that are not there, of the radius
 
 /// A place where the reference's centre may lie, and how the surface rises around it.
 struct Centre {
@@ -105,6 +107,13 @@ std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius
   return cells;
 }
 
+/// The angle of the turn from one registration to another of the same handedness.
+double angle_between(const Registration& a, const Registration& b) {
+  const Matrix3d A = a.target_from_reference.topLeftCorner<3, 3>() / a.scale;
+  const Matrix3d B = b.target_from_reference.topLeftCorner<3, 3>() / b.scale;
+  return std::acos(std::clamp(((A.transpose() * B).trace() - 1) / 2, -1.0, 1.0));
+}
+
 double area_of(const Surface& surface, std::span<const FaceId> patch) {
   double area = 0;
   for (const FaceId face : patch) area += area_vector(surface.mesh, face).norm();
@@ -163,20 +172,25 @@ RoughlyLaid PatchReference::lay_roughly(const FaceGraph& graph, VertexId at, dou
     if (near == nullptr) return std::nullopt;
     return OnTarget{near->point, near->normal};
   };
-  const auto best_of = [&](bool mirrored) {
-    std::optional<Registration> best;
+  RoughlyLaid laid{scale, {}, {}};
+  for (const bool mirrored : {false, true}) {
+    if (mirrored && !mirrored_too) break;
+    std::vector<Registration> ways;
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
       Registration tried{.scale = scale, .mirrored = mirrored};
       const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       tried.target_from_reference.topLeftCorner<3, 3>() = A;
       tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
       improve(tried, scale, kFew, kFewRounds, near_there);
-      if (!best || tried.misfit < best->misfit) best = tried;
+      ways.push_back(tried);
     }
-    return *best;
-  };
-  RoughlyLaid laid{scale, best_of(false), std::nullopt, {}};
-  if (mirrored_too) laid.mirrored = best_of(true);
+    std::ranges::stable_sort(ways, {}, &Registration::misfit);
+    const auto other = std::ranges::find_if(
+        ways, [&](const Registration& way) { return angle_between(ways.front(), way) > kAnotherTurn; });
+    laid.ways.push_back(ways.front());
+    if (other != ways.end()) laid.ways.push_back(*other);
+  }
+  std::ranges::stable_sort(laid.ways, {}, &Registration::misfit);
   laid.grid = std::move(grid);
   return laid;
 }
@@ -203,21 +217,19 @@ Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLa
       return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
     };
   };
-  Registration best = roughly.as_it_is;
-  if (roughly.mirrored) {
-    Registration mirrored = *roughly.mirrored;
-    const auto undecided = [&](double least) {
-      return mirrored.misfit > least * best.misfit && best.misfit > least * mirrored.misfit;
-    };
-    const auto look_closer = [&](std::size_t samples) {
-      for (Registration* laid : {&best, &mirrored}) improve(*laid, roughly.scale, samples, kFewRounds, nearest());
-    };
-    const auto both = [&] { return std::min(best.misfit, mirrored.misfit); };
-    if (both() < kHopeless && undecided(kRoughlyUndecided)) look_closer(kMany);
-    // Where noise might decide, all samples do.
-    if (both() < kLikely && undecided(kUndecided)) look_closer(kAll);
-    if (mirrored.misfit + kAlike < kWorthMirroring * best.misfit) best = mirrored;
-  }
+  std::vector<Registration> ways = roughly.ways;
+  const auto look_closer = [&](std::size_t samples, double least) {
+    const double best = std::ranges::min(ways, {}, &Registration::misfit).misfit;
+    std::erase_if(ways, [&](const Registration& way) { return best < least * way.misfit; });
+    if (ways.size() == 1) return;
+    for (Registration& way : ways) improve(way, roughly.scale, samples, kFewRounds, nearest());
+  };
+  if (roughly.misfit() < kHopeless) look_closer(kSome, kRoughlyUndecided);
+  // Where noise might decide, all samples do.
+  if (std::ranges::min(ways, {}, &Registration::misfit).misfit < kLikely) look_closer(kAll, kUndecided);
+  Registration best = std::ranges::min(ways, {}, [](const Registration& way) {
+    return way.mirrored ? (way.misfit + kAlike) / kWorthMirroring : way.misfit;
+  });
   improve(best, roughly.scale, kMany, best.misfit < kHopeless ? kManyRounds : 0, nearest());
   return best;
 }

@@ -49,15 +49,12 @@ struct Registration {
 
 /// How a patch may lie about a vertex, before anybody has looked closely.
 struct RoughlyLaid {
-  double scale = 1;  ///< about which it was looked for
-  Registration as_it_is;
-  std::optional<Registration> mirrored;
-  SampleGrid grid;  ///< of what is there
+  double scale = 1;                     ///< about which it was looked for
+  std::vector<Registration> ways = {};  ///< best first: of either handedness, two that differ by their turn
+  SampleGrid grid = {};                 ///< of what is there
 
-  /// The better of both.
-  [[nodiscard]] double misfit() const noexcept {
-    return mirrored ? std::min(as_it_is.misfit, mirrored->misfit) : as_it_is.misfit;
-  }
+  /// The least.
+  [[nodiscard]] double misfit() const noexcept { return ways.front().misfit; }
 };
 
 /// The border of a patch, as a mesh of faces that are edges.
