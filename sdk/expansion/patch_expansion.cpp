@@ -15,6 +15,7 @@
 #include <tbb/parallel_for.h>
 
 #include "sdk/expansion/patch_registration.h"
+#include "sdk/selection/surface_walk.h"
 
 namespace armature::sdk {
 namespace {
@@ -22,6 +23,8 @@ namespace {
 constexpr std::size_t kTried = 8;   // places that the patch is laid onto roughly, of each that is looked at closely
 constexpr double kApart = 0.75;     // centres of candidates, of the radius
 constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
+constexpr double kPromising = 0.5;  // a fit that is worth another look
+constexpr double kAstray = 0.2;     // how far from its place a centre may lie without one, of the radius
 constexpr double kOverlap = 0.3;    // of the smaller of two regions, beyond which they are one place
 
 using Clock = std::chrono::steady_clock;
@@ -78,6 +81,11 @@ std::vector<std::size_t> best_of_each_place(const Surface& surface, const std::v
     if (there < 2) kept.push_back(i);
   }
   return kept;
+}
+
+/// The corner that is closest to a point among those of the closest face.
+VertexId vertex_under(const Surface& surface, const Eigen::Vector3d& point) {
+  return closest_corner(surface.mesh, surface.tree.closest(point));
 }
 
 std::string in_words(const char* format, double a, double b = 0) {
@@ -191,7 +199,15 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     if (task.stopped()) return;
     const std::size_t rank = closely[i];
     const Place& place = places[order[rank]];
-    const Registration laid = model.lay_closely(graph, roughly[rank]);
+    Registration laid = model.lay_closely(graph, roughly[rank]);
+    // Far from where it was looked for, not all of it was in sight.
+    const VertexId centre = vertex_under(surface, apply(laid.target_from_reference, model.centre()));
+    const double astray = (surface.mesh.position(centre) - surface.mesh.position(place.centre)).norm();
+    if (laid.fit > kPromising && astray > kAstray * place.scale * ball->radius) {
+      const Registration again =
+          model.lay_closely(graph, model.lay_roughly(graph, centre, place.scale, options.mirrored));
+      if (again.misfit < laid.misfit) laid = again;
+    }
     Match& match = candidates[order[rank]].match;
     match.faces = model.extent(graph, laid);
     match.score = 0.5 * (double{place.similarity} + laid.fit);
