@@ -15,9 +15,8 @@ namespace {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-constexpr double kReach = 0.2;      // how far a face may lie from the patch that it belongs to, of the radius
-constexpr double kDoubtful = 0.02;  // how far a face may lie before it is looked for elsewhere, of the radius
-constexpr double kSure = 0.5;       // of the way to the border of the patch, all is on the same side
+constexpr double kReach = 0.2;  // how far a face may lie from the patch that it belongs to, of the radius
+constexpr double kSure = 0.5;   // of the way to the border of the patch, all is on the same side
 
 }  // namespace
 
@@ -68,10 +67,7 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
     FaceId nearest;     // of the reference
   };
   const auto ask = [&](FaceId face, const Vector3d& at, const Answer& beside) {
-    SurfacePoint on = graph_->closest_from(beside.nearest, at);
-    if (on.distance > kDoubtful * ball_.radius)  // it may be another fold
-      if (const SurfaceSample* near = grid_.near(at))
-        if (const SurfacePoint other = graph_->closest_from(near->face, at); other.distance < on.distance) on = other;
+    const SurfacePoint on = closest_near(*graph_, grid_, beside.nearest, at, ball_.radius);
     if (!(on.distance <= kReach * ball_.radius)) return Answer{at, 0, false, false, on.face};
     double to_border = 0;
     for (std::size_t k = 0; k < 3; ++k) {

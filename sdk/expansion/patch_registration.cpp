@@ -31,21 +31,21 @@ constexpr double kGathered = 1.25;  // of the radius; the farther centres see th
 constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
-constexpr double kDoubtful = 0.02;
-constexpr double kNear = 0.4;              // what a sample may lie on, of the radius
-constexpr double kHopeless = 0.01;         // a misfit that no closer look will mend
-constexpr double kProgress = 0.98;         // half of the samples are hardly nearer than before: it has settled
-constexpr double kStill = 5e-4;            // a step that ends the search, of the radius
-constexpr double kScaleRange = 1.3;        // how far the scale may leave what was looked for
-constexpr double kWorthMirroring = 0.9;    // a mirror image must leave so much less than the thing itself
+constexpr double kDoubtful = 0.02;       // how far what is nearest may lie before another fold is tried, of the radius
+constexpr double kNear = 0.4;            // what a sample may lie on, of the radius
+constexpr double kHopeless = 0.01;       // a misfit that no closer look will mend
+constexpr double kProgress = 0.98;       // half of the samples are hardly nearer than before: it has settled
+constexpr double kStill = 5e-4;          // a step that ends the search, of the radius
+constexpr double kScaleRange = 1.3;      // how far the scale may leave what was looked for
+constexpr double kWorthMirroring = 0.9;  // a mirror image must leave so much less than the thing itself
 constexpr double kRoughlyUndecided = 0.2;  // of two misfits, the smaller over the larger: beyond, a closer look tells
 constexpr double kUndecided = 0.4;         // the same after that look
-constexpr double kAnotherTurn = std::numbers::pi / 6;
-constexpr double kLikely = 5e-4;       // a misfit of the same shape in noise
-constexpr double kAlike = 2e-6;        // misfits that differ by less tell nothing
-constexpr std::size_t kCellRings = 5;  // of the cells that noise is averaged over
-constexpr double kApart = 0.05;        // surfaces that do not lie on one another, of the radius
-constexpr double kReach = 0.2;         // surfaces that are not there, of the radius
+constexpr double kAnotherTurn = std::numbers::pi / 6;  // ways that differ by less are one
+constexpr double kLikely = 5e-4;                       // a misfit of the same shape in noise
+constexpr double kAlike = 2e-6;                        // misfits that differ by less tell nothing
+constexpr std::size_t kCellRings = 5;                  // of the cells that noise is averaged over
+constexpr double kApart = 0.05;                        // surfaces that do not lie on one another, of the radius
+constexpr double kReach = 0.2;                         // surfaces that are not there, of the radius
 
 /// A place where the reference's centre may lie, and how the surface rises around it.
 struct Centre {
@@ -147,6 +147,17 @@ PatchSurroundings::PatchSurroundings(const FaceGraph& graph, VertexId at, double
       samples(samples_about(graph, at, radius, reach)),
       relief(relief_of(samples, centre, radius)) {}
 
+SurfacePoint closest_near(const FaceGraph& graph, const SampleGrid& grid, FaceId last, const Vector3d& point,
+                          double radius) {
+  SurfacePoint nearest;
+  if (last.valid()) nearest = graph.closest_from(last, point);
+  if (nearest.distance > kDoubtful * radius)
+    if (const SurfaceSample* near = grid.near(point))
+      if (const SurfacePoint other = graph.closest_from(near->face, point); other.distance < nearest.distance)
+        nearest = other;
+  return nearest;
+}
+
 PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball)
     : graph_(&graph),
       surface_(&graph.surface()),
@@ -202,11 +213,7 @@ Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLa
   const auto nearest = [&] {
     return [&, last = std::vector<FaceId>(around_.samples.size())](
                std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
-      SurfacePoint to;
-      if (last[i].valid()) to = graph.closest_from(last[i], from);
-      if (to.distance > kDoubtful * radius)
-        if (const SurfaceSample* near = roughly.grid.near(from))
-          if (const SurfacePoint other = graph.closest_from(near->face, from); other.distance < to.distance) to = other;
+      const SurfacePoint to = closest_near(graph, roughly.grid, last[i], from, radius);
       if (!to.face.valid()) return std::nullopt;
       last[i] = to.face;
       if (to.distance > kNear * radius) return std::nullopt;

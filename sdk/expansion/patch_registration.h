@@ -57,6 +57,12 @@ struct RoughlyLaid {
   [[nodiscard]] double misfit() const noexcept { return ways.front().misfit; }
 };
 
+/// Where a surface comes nearest to a point: downhill from the face that was last nearest, if any; and where that is
+/// not near, of a patch of that radius, from what its grid knows near the point, since it may be another fold. No valid
+/// face where neither knows one.
+[[nodiscard]] SurfacePoint closest_near(const FaceGraph& graph, const SampleGrid& grid, FaceId last,
+                                        const Eigen::Vector3d& point, double radius);
+
 /// The border of a patch, as a mesh of faces that are edges.
 [[nodiscard]] Mesh border_of(const Surface& surface, std::span<const FaceId> patch);
 
