@@ -172,10 +172,10 @@ class SelectBench {
     return {};
   }
 
-  /// From ten thousand to a million triangles.
+  /// From five thousand to a million triangles.
   Expected<void> sizes() {
-    title("Patches on a ball with reliefs, r = 0.06, from 20 thousand to 1.3 million triangles; milliseconds");
-    for (int rounds = 5; rounds <= 8; ++rounds) {
+    title("Patches on a ball with reliefs, r = 0.06, from 5 thousand to 1.3 million triangles; milliseconds");
+    for (int rounds = 4; rounds <= 8; ++rounds) {
       const sdk::Mesh mesh = planted_reliefs({}, rounds).mesh;
       const auto times = measured(mesh, 0.06);
       if (!times) return tl::unexpected(times.error());
