@@ -190,6 +190,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const Place& place = places[order[rank]];
     if (!task.stopped()) roughly[rank] = model.lay_roughly(graph, place.centre, place.scale, options.mirrored);
   });
+  if (task.stopped()) return cancelled();
   // Noise takes from the contexts of small patches nearly all that tells their likes from others.
   const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
   std::vector<std::size_t> closely(roughly.size());

@@ -78,7 +78,8 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
     const bool inside = shares_.at(on) > 0.5 && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
     return Answer{at, kSure * std::max(0.0, to_border), true, inside, on.face};
   };
-  std::vector<Answer> answers = {{around_.centre, 0, false, false, surface_->adjacency.faces(ball_.centre).front()}};
+  const auto at_centre = surface_->adjacency.faces(ball_.centre);
+  std::vector<Answer> answers = {{around_.centre, 0, false, false, at_centre.empty() ? FaceId() : at_centre.front()}};
   std::vector<std::pair<FaceId, std::size_t>> inside;  // what is still to be passed, with answers
   std::vector<std::pair<FaceId, std::size_t>> outside;
   std::vector<bool> seen(mesh.triangles.size());

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stop_token>
+#include <string_view>
 
 #include <Eigen/Dense>
 #include <armature/sdk/expansion/patch_expansion.h>
@@ -216,6 +217,9 @@ TEST(PatchExpansion, DegenerateMeshesGiveAResultOrAMessage) {
   const Mesh fan = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, 1}},
                                      {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 0, 1}});
   EXPECT_TRUE(expand_patch(Surface(fan), std::vector{FaceId(1)}));
+  EXPECT_TRUE(expand_patch(Surface(fan), std::vector{FaceId(3)}));  // which names a vertex twice
+  const Mesh side = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}}, {{0, 0, 1}});
+  EXPECT_TRUE(expand_patch(Surface(side), std::vector{FaceId(0)}));
   const Mesh point = surfaces::mesh_of({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}});
   EXPECT_FALSE(expand_patch(Surface(point), std::vector{FaceId(0)}));
   EXPECT_FALSE(expand_patch(Surface(one), std::vector<FaceId>{}));
@@ -228,6 +232,18 @@ TEST(PatchExpansion, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
   const auto expansion = expand_patch(Surface(mesh), std::vector{FaceId(0)}, {}, {.stop = stop.get_token()});
+  ASSERT_FALSE(expansion);
+  EXPECT_EQ(expansion.error().kind, ErrorKind::Cancelled);
+}
+
+TEST(PatchExpansion, StopsWhileItLaysThePatch) {
+  const Mesh mesh = table_with_bumps();
+  std::stop_source stop;
+  const auto at_once = [&](std::string_view step, double) {
+    if (step.starts_with("laying")) stop.request_stop();
+  };
+  const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.2, {-0.5, -0.5}), {},
+                                      {.stop = stop.get_token(), .progress = at_once});
   ASSERT_FALSE(expansion);
   EXPECT_EQ(expansion.error().kind, ErrorKind::Cancelled);
 }
