@@ -26,6 +26,9 @@ class FaceGraph {
     const std::uint32_t first = nodes_[face.index()].first;
     return std::span(beside_).subspan(first, nodes_[face.index() + 1].first - first);
   }
+  /// Where the surface comes nearest to a point, of what lies downhill from a face: from face to face as long as that
+  /// leads nearer. The closest point of all where the start is near enough, in a small part of the time.
+  [[nodiscard]] SurfacePoint closest_from(FaceId start, const Eigen::Vector3d& point) const noexcept;
   /// Whether its middle or a corner of it lies within a ball.
   [[nodiscard]] bool touches(FaceId face, const Eigen::Vector3d& centre, double radius) const noexcept;
   /// What hangs together with some faces and is wanted; see `flood_over()`.

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -14,12 +15,16 @@
 #include <tbb/parallel_for.h>
 
 #include "sdk/expansion/patch_registration.h"
+#include "sdk/selection/surface_walk.h"
 
 namespace armature::sdk {
 namespace {
 
+constexpr std::size_t kTried = 8;   // places that the patch is laid onto roughly, of each that is looked at closely
 constexpr double kApart = 0.75;     // centres of candidates, of the radius
 constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
+constexpr double kPromising = 0.5;  // a fit that is worth another look
+constexpr double kAstray = 0.2;     // how far from its place a centre may lie without one, of the radius
 constexpr double kOverlap = 0.3;    // of the smaller of two regions, beyond which they are one place
 
 using Clock = std::chrono::steady_clock;
@@ -76,6 +81,11 @@ std::vector<std::size_t> best_of_each_place(const Surface& surface, const std::v
     if (there < 2) kept.push_back(i);
   }
   return kept;
+}
+
+/// The corner that is closest to a point among those of the closest face.
+VertexId vertex_under(const Surface& surface, const Eigen::Vector3d& point) {
+  return closest_corner(surface.mesh, surface.tree.closest(point));
 }
 
 std::string in_words(const char* format, double a, double b = 0) {
@@ -154,7 +164,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const PatchContexts& contexts = made ? *made : *own;
     const auto similarity = contexts.similarity_to(reference, task);
     if (!similarity) return tl::unexpected(similarity.error());
-    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, 2 * options.most + 1)) {
+    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, kTried * options.most + 1)) {
       places.push_back(place);
       candidates.push_back({{}, contexts.of(place.centre)});
     }
@@ -170,15 +180,35 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
 
   // How it lies there, and how far it reaches.
   start = Clock::now();
+  const std::clock_t processor_start = std::clock();
   std::optional<FaceGraph> graph_elsewhere;
   if (!same_surface) graph_elsewhere.emplace(surface);
   const FaceGraph& graph = same_surface ? graph_of_patch : *graph_elsewhere;
-  const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
   task.report("laying the patch onto its likes", 0);
-  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
-    if (task.stopped()) return;
+  std::vector<RoughlyLaid> roughly(std::min(order.size(), kTried * options.most + (same_surface ? 1 : 0)));
+  tbb::parallel_for(std::size_t{0}, roughly.size(), [&](std::size_t rank) {
     const Place& place = places[order[rank]];
-    const Registration laid = model.lay_onto(graph, place.centre, place.scale, options.mirrored);
+    if (!task.stopped()) roughly[rank] = model.lay_roughly(graph, place.centre, place.scale, options.mirrored);
+  });
+  if (task.stopped()) return cancelled();
+  // Noise takes from the contexts of small patches nearly all that tells their likes from others.
+  const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
+  std::vector<std::size_t> closely(roughly.size());
+  std::iota(closely.begin(), closely.end(), std::size_t{0});
+  std::ranges::stable_sort(closely, {}, [&](std::size_t rank) { return roughly[rank].misfit(); });
+  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
+    if (task.stopped()) return;
+    const std::size_t rank = closely[i];
+    const Place& place = places[order[rank]];
+    Registration laid = model.lay_closely(graph, roughly[rank]);
+    // Far from where it was looked for, not all of it was in sight.
+    const VertexId centre = vertex_under(surface, apply(laid.target_from_reference, model.centre()));
+    const double astray = (surface.mesh.position(centre) - surface.mesh.position(place.centre)).norm();
+    if (laid.fit > kPromising && astray > kAstray * place.scale * ball->radius) {
+      const Registration again =
+          model.lay_closely(graph, model.lay_roughly(graph, centre, place.scale, options.mirrored));
+      if (again.misfit < laid.misfit) laid = again;
+    }
     Match& match = candidates[order[rank]].match;
     match.faces = model.extent(graph, laid);
     match.score = 0.5 * (double{place.similarity} + laid.fit);
@@ -189,6 +219,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   if (task.stopped()) return cancelled();
   task.report("laying the patch onto its likes", 1);
   took.matches_ms = milliseconds_since(start);
+  took.matches_processor_ms = 1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
   took.candidates = looked_at;
   if (times != nullptr) *times = took;
 
@@ -203,8 +234,8 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const auto faces = surface.adjacency.faces(places[i].centre);
     return faces.empty() ? FaceId() : faces.front();
   };
-  const auto beyond = std::span(order).subspan(looked_at);
-  std::vector<std::size_t> by_score(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(looked_at));
+  std::vector<std::size_t> by_score;
+  for (const std::size_t rank : std::span(closely).first(looked_at)) by_score.push_back(order[rank]);
   std::ranges::stable_sort(by_score, std::greater{}, [&](std::size_t i) { return candidates[i].match.score; });
   for (const std::size_t i : by_score) {
     Match& match = candidates[i].match;
@@ -217,9 +248,10 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
       matches.push_back(std::move(candidates[i]));
     }
   }
-  for (const std::size_t i : beyond.first(std::min(beyond.size(), options.most)))
-    rejected.push_back({face_at(i), in_words("surroundings only %.0f %% alike: not among the best %.0f",
-                                             100 * double{places[i].similarity}, static_cast<double>(looked_at))});
+  for (const std::size_t rank : std::span(closely).subspan(looked_at))
+    rejected.push_back(
+        {face_at(order[rank]), in_words("surroundings only %.0f %% alike: not among the best %.0f",
+                                        100 * double{places[order[rank]].similarity}, static_cast<double>(looked_at))});
   return Expansion(std::move(reference_faces), std::move(matches), std::move(rejected));
 }
 

@@ -64,11 +64,11 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
     Vector3d at;
     double valid_within;
     bool near, inside;  // the surface of the reference; the patch
-    FaceId nearest = {};
+    FaceId nearest;     // of the reference
   };
   const auto ask = [&](FaceId face, const Vector3d& at, const Answer& beside) {
-    const SurfacePoint on = surface_->tree.closest(at, {.within = kReach * ball_.radius, .hint = beside.nearest});
-    if (!on.face.valid()) return Answer{at, 0, false, false, beside.nearest};
+    const SurfacePoint on = closest_near(*graph_, grid_, beside.nearest, at, ball_.radius);
+    if (!(on.distance <= kReach * ball_.radius)) return Answer{at, 0, false, false, on.face};
     double to_border = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t corner = surface_->mesh.triangle(on.face)[k].index();
@@ -78,10 +78,11 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
     const bool inside = shares_.at(on) > 0.5 && facing.dot(area_vector(surface_->mesh, on.face)) >= 0;
     return Answer{at, kSure * std::max(0.0, to_border), true, inside, on.face};
   };
-  std::vector<Answer> answers = {{around_.centre, 0, false, false}};
-  std::vector<std::pair<FaceId, std::size_t>> reached;  // with their answers
+  const auto at_centre = surface_->adjacency.faces(ball_.centre);
+  std::vector<Answer> answers = {{around_.centre, 0, false, false, at_centre.empty() ? FaceId() : at_centre.front()}};
+  std::vector<std::pair<FaceId, std::size_t>> inside;  // what is still to be passed, with answers
+  std::vector<std::pair<FaceId, std::size_t>> outside;
   std::vector<bool> seen(mesh.triangles.size());
-  std::vector<bool> is_inside(mesh.triangles.size());
   const auto go_to = [&](FaceId face, std::size_t answer) {
     if (seen[face.index()]) return;
     seen[face.index()] = true;
@@ -93,25 +94,30 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registr
       answer = answers.size() - 1;
     }
     if (!answers[answer].near && face != start.face) return;  // nor does what lies behind it
-    reached.emplace_back(face, answer);
-    is_inside[face.index()] = answers[answer].inside;
+    (answers[answer].inside ? inside : outside).emplace_back(face, answer);
   };
-  go_to(start.face, 0);
-  for (std::size_t i = 0; i < reached.size(); ++i) {
-    const auto [face, answer] = reached[i];
-    for (const FaceId next : graph.beside(face)) go_to(next, answer);
-  }
-
+  const auto pass = [&](const std::pair<FaceId, std::size_t>& from) {
+    for (const FaceId next : graph.beside(from.first)) go_to(next, from.second);
+  };
+  // Piece by piece; outside of them only as long as there may be a larger one.
+  const double half = 0.5 * area_ * registration.scale * registration.scale;
   std::vector<FaceId> largest;
-  double most = -1;
-  for (const auto& [face, answer] : reached) {
-    if (!is_inside[face.index()]) continue;
-    auto piece = graph.flood(std::span(&face, 1), [&](FaceId f) { return bool{is_inside[f.index()]}; });
-    double area = 0;
-    for (const FaceId f : piece) {
-      is_inside[f.index()] = false;
-      area += area_vector(mesh, f).norm();
+  double most = 0;
+  go_to(start.face, 0);
+  for (std::size_t passed = 0; most < half;) {
+    if (inside.empty()) {
+      if (passed == outside.size()) break;
+      pass(std::pair(outside[passed++]));
+      continue;
     }
+    double area = 0;
+    std::vector<FaceId> piece;
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+      piece.push_back(inside[i].first);
+      area += area_vector(mesh, inside[i].first).norm();
+      pass(std::pair(inside[i]));
+    }
+    inside.clear();
     if (area > most) {
       most = area;
       largest = std::move(piece);

@@ -22,6 +22,7 @@ using Eigen::Vector3d;
 constexpr double kSamples = 600;  // of a patch's surroundings, about, and one a face at least
 constexpr std::size_t kMostSamples = 1500;
 constexpr std::size_t kFew = 120;   // that decide between angles
+constexpr std::size_t kSome = 150;  // that decide between ways that differ
 constexpr std::size_t kMany = 300;  // that decide where exactly
 constexpr std::size_t kAll = kMostSamples;
 constexpr std::size_t kStarts = 8;           // that are tried, of each handedness
@@ -30,19 +31,21 @@ constexpr double kGathered = 1.25;  // of the radius; the farther centres see th
 constexpr int kAround = 6;          // in so many directions
 constexpr int kFewRounds = 4;
 constexpr int kManyRounds = 8;
-constexpr double kNear = 0.4;              // what a sample may lie on, of the radius
-constexpr double kHopeless = 0.01;         // a misfit that no closer look will mend
-constexpr double kProgress = 0.98;         // half of the samples are hardly nearer than before: it has settled
-constexpr double kStill = 5e-4;            // a step that ends the search, of the radius
-constexpr double kScaleRange = 1.3;        // how far the scale may leave what was looked for
-constexpr double kWorthMirroring = 0.9;    // a mirror image must leave so much less than the thing itself
+constexpr double kDoubtful = 0.02;       // how far what is nearest may lie before another fold is tried, of the radius
+constexpr double kNear = 0.4;            // what a sample may lie on, of the radius
+constexpr double kHopeless = 0.01;       // a misfit that no closer look will mend
+constexpr double kProgress = 0.98;       // half of the samples are hardly nearer than before: it has settled
+constexpr double kStill = 5e-4;          // a step that ends the search, of the radius
+constexpr double kScaleRange = 1.3;      // how far the scale may leave what was looked for
+constexpr double kWorthMirroring = 0.9;  // a mirror image must leave so much less than the thing itself
 constexpr double kRoughlyUndecided = 0.2;  // of two misfits, the smaller over the larger: beyond, a closer look tells
 constexpr double kUndecided = 0.4;         // the same after that look
-constexpr double kLikely = 5e-4;           // a misfit of the same shape in noise
-constexpr double kAlike = 1e-5;            // misfits that differ by less tell nothing
-constexpr std::size_t kCellRings = 5;      // of the cells that noise is averaged over
-constexpr double kApart = 0.05;            // surfaces that do not lie on one another, of the radius
-constexpr double kReach = 0.2;             // surfaces that are not there, of the radius
+constexpr double kAnotherTurn = std::numbers::pi / 6;  // ways that differ by less are one
+constexpr double kLikely = 5e-4;                       // a misfit of the same shape in noise
+constexpr double kAlike = 2e-6;                        // misfits that differ by less tell nothing
+constexpr std::size_t kCellRings = 5;                  // of the cells that noise is averaged over
+constexpr double kApart = 0.05;                        // surfaces that do not lie on one another, of the radius
+constexpr double kReach = 0.2;                         // surfaces that are not there, of the radius
 
 /// A place where the reference's centre may lie, and how the surface rises around it.
 struct Centre {
@@ -54,7 +57,7 @@ struct Centre {
 struct Start {
   const Centre* at;
   std::size_t shift;
-  double difference;
+  float difference;
 };
 
 /// The starts at which reliefs agree best: local minima over the angle, best first.
@@ -62,11 +65,10 @@ std::vector<Start> best_starts(const PolarRelief& reference, const std::vector<C
   constexpr std::size_t n = PolarRelief::kSectors;
   std::vector<Start> minima;
   for (const Centre& centre : centres) {
-    std::array<double, n> differences{};
-    for (std::size_t k = 0; k < n; ++k) differences[k] = difference(reference, centre.relief, k, mirrored);
+    const auto apart = differences(reference, centre.relief, mirrored);
     for (std::size_t k = 0; k < n; ++k)
-      if (differences[k] <= differences[(k + 1) % n] && differences[k] <= differences[(k + n - 1) % n])
-        minima.push_back({&centre, k, differences[k]});
+      if (apart[k] <= apart[(k + 1) % n] && apart[k] <= apart[(k + n - 1) % n])
+        minima.push_back({&centre, k, apart[k]});
   }
   std::ranges::stable_sort(minima, {}, &Start::difference);
   minima.resize(std::min(minima.size(), kStarts));
@@ -105,11 +107,24 @@ std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius
   return cells;
 }
 
+/// The angle of the turn from one registration to another of the same handedness.
+double angle_between(const Registration& a, const Registration& b) {
+  const Matrix3d A = a.target_from_reference.topLeftCorner<3, 3>() / a.scale;
+  const Matrix3d B = b.target_from_reference.topLeftCorner<3, 3>() / b.scale;
+  return std::acos(std::clamp(((A.transpose() * B).trace() - 1) / 2, -1.0, 1.0));
+}
+
+double area_of(const Surface& surface, std::span<const FaceId> patch) {
+  double area = 0;
+  for (const FaceId face : patch) area += area_vector(surface.mesh, face).norm();
+  return area;
+}
+
 }  // namespace
 
-PatchSurroundings::PatchSurroundings(const FaceGraph& graph, VertexId at, double radius, double reach)
-    : centre(graph.surface().mesh.position(at)) {
+std::vector<SurfaceSample> samples_about(const FaceGraph& graph, VertexId at, double radius, double reach) {
   const Surface& surface = graph.surface();
+  const Vector3d& centre = surface.mesh.position(at);
   std::vector<FaceId> faces =
       graph.flood(surface.adjacency.faces(at), [&](FaceId face) { return graph.touches(face, centre, reach); });
   // Faces come ring by ring, so that every n-th of them, or of their samples, are spread evenly.
@@ -121,16 +136,36 @@ PatchSurroundings::PatchSurroundings(const FaceGraph& graph, VertexId at, double
     things.erase(things.begin() + static_cast<std::ptrdiff_t>(kept), things.end());
   };
   thin_out(faces);
-  samples = samples_of(surface.mesh, faces, std::numbers::pi * radius * radius / kSamples);
+  auto samples = samples_of(surface.mesh, faces, std::numbers::pi * radius * radius / kSamples);
   std::erase_if(samples, [&](const SurfaceSample& s) { return (s.point - centre).squaredNorm() > reach * reach; });
   thin_out(samples);
-  relief = relief_of(samples, centre, radius);
+  return samples;
+}
+
+PatchSurroundings::PatchSurroundings(const FaceGraph& graph, VertexId at, double radius, double reach)
+    : centre(graph.surface().mesh.position(at)),
+      samples(samples_about(graph, at, radius, reach)),
+      relief(relief_of(samples, centre, radius)) {}
+
+SurfacePoint closest_near(const FaceGraph& graph, const SampleGrid& grid, FaceId last, const Vector3d& point,
+                          double radius) {
+  SurfacePoint nearest;
+  if (last.valid()) nearest = graph.closest_from(last, point);
+  if (nearest.distance > kDoubtful * radius)
+    if (const SurfaceSample* near = grid.near(point))
+      if (const SurfacePoint other = graph.closest_from(near->face, point); other.distance < nearest.distance)
+        nearest = other;
+  return nearest;
 }
 
 PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball)
-    : surface_(&graph.surface()),
+    : graph_(&graph),
+      surface_(&graph.surface()),
       ball_(ball),
+      area_(area_of(*surface_, patch)),
       around_(graph, ball.centre, ball.radius, ball.radius),
+      grid_(samples_about(graph, ball.centre, ball.radius, (1 + kReach) * ball.radius), around_.centre,
+            (1 + kReach) * ball.radius),
       shares_(*surface_, patch),
       to_border_(surface_->mesh.positions.size(), -1),
       cells_(cells_of(around_, ball.radius)),
@@ -138,62 +173,77 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
   measure_border(graph);
 }
 
-Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
-  const Surface& target = graph.surface();
+RoughlyLaid PatchReference::lay_roughly(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
   const double radius = scale * ball_.radius;
   const PatchSurroundings there(graph, at, radius, kGathered * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
-  const SampleGrid grid(there.samples, there.centre, kGathered * radius);
-  const auto roughly = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
+  SampleGrid grid(there.samples, there.centre, kGathered * radius);
+  const auto near_there = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
     const SurfaceSample* near = grid.near(from);
     if (near == nullptr) return std::nullopt;
     return OnTarget{near->point, near->normal};
   };
-  const auto best_of = [&](bool mirrored) {
-    std::optional<Registration> best;
+  RoughlyLaid laid{scale, {}, {}};
+  for (const bool mirrored : {false, true}) {
+    if (mirrored && !mirrored_too) break;
+    std::vector<Registration> ways;
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
       Registration tried{.scale = scale, .mirrored = mirrored};
       const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       tried.target_from_reference.topLeftCorner<3, 3>() = A;
       tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
-      improve(tried, scale, kFew, kFewRounds, roughly);
-      if (!best || tried.misfit < best->misfit) best = tried;
+      improve(tried, scale, kFew, kFewRounds, near_there);
+      ways.push_back(tried);
     }
-    return *best;
-  };
-  std::vector<FaceId> hints(around_.samples.size());
-  const auto exactly = [&](std::size_t i, const Vector3d& from) -> std::optional<OnTarget> {
-    const SurfacePoint to = target.tree.closest(from, {.within = kNear * radius, .hint = hints[i]});
-    if (!to.face.valid()) return std::nullopt;
-    hints[i] = to.face;
-    Vector3d normal = Vector3d::Zero();
-    for (std::size_t k = 0; k < 3; ++k)
-      normal += to.barycentric[static_cast<Eigen::Index>(k)] *
-                target.vertex_normals[target.mesh.triangle(to.face)[k].index()];
-    return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
-  };
-  Registration best = best_of(false);
-  if (mirrored_too) {
-    Registration mirrored = best_of(true);
-    const auto undecided = [&](double least) {
-      return mirrored.misfit > least * best.misfit && best.misfit > least * mirrored.misfit;
-    };
-    const auto look_closer = [&](std::size_t samples) {
-      for (Registration* laid : {&best, &mirrored}) improve(*laid, scale, samples, kFewRounds, exactly);
-    };
-    const auto both = [&] { return std::min(best.misfit, mirrored.misfit); };
-    if (both() < kHopeless && undecided(kRoughlyUndecided)) look_closer(kMany);
-    // Where noise might decide, all samples do.
-    if (both() < kLikely && undecided(kUndecided)) look_closer(kAll);
-    if (mirrored.misfit + kAlike < kWorthMirroring * best.misfit) best = mirrored;
+    std::ranges::stable_sort(ways, {}, &Registration::misfit);
+    const auto other = std::ranges::find_if(
+        ways, [&](const Registration& way) { return angle_between(ways.front(), way) > kAnotherTurn; });
+    laid.ways.push_back(ways.front());
+    if (other != ways.end()) laid.ways.push_back(*other);
   }
-  improve(best, scale, kMany, best.misfit < kHopeless ? kManyRounds : 0, exactly);
+  std::ranges::stable_sort(laid.ways, {}, &Registration::misfit);
+  laid.grid = std::move(grid);
+  return laid;
+}
+
+Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const {
+  const Surface& target = graph.surface();
+  const double radius = roughly.scale * ball_.radius;
+  // From what was found for a sample in the round before.
+  const auto nearest = [&] {
+    return [&, last = std::vector<FaceId>(around_.samples.size())](
+               std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
+      const SurfacePoint to = closest_near(graph, roughly.grid, last[i], from, radius);
+      if (!to.face.valid()) return std::nullopt;
+      last[i] = to.face;
+      if (to.distance > kNear * radius) return std::nullopt;
+      Vector3d normal = Vector3d::Zero();
+      for (std::size_t k = 0; k < 3; ++k)
+        normal += to.barycentric[static_cast<Eigen::Index>(k)] *
+                  target.vertex_normals[target.mesh.triangle(to.face)[k].index()];
+      return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
+    };
+  };
+  std::vector<Registration> ways = roughly.ways;
+  const auto look_closer = [&](std::size_t samples, double least) {
+    const double best = std::ranges::min(ways, {}, &Registration::misfit).misfit;
+    std::erase_if(ways, [&](const Registration& way) { return best < least * way.misfit; });
+    if (ways.size() == 1) return;
+    for (Registration& way : ways) improve(way, roughly.scale, samples, kFewRounds, nearest());
+  };
+  if (roughly.misfit() < kHopeless) look_closer(kSome, kRoughlyUndecided);
+  // Where noise might decide, all samples do.
+  if (std::ranges::min(ways, {}, &Registration::misfit).misfit < kLikely) look_closer(kAll, kUndecided);
+  Registration best = std::ranges::min(ways, {}, [](const Registration& way) {
+    return way.mirrored ? (way.misfit + kAlike) / kWorthMirroring : way.misfit;
+  });
+  improve(best, roughly.scale, kMany, best.misfit < kHopeless ? kManyRounds : 0, nearest());
   return best;
 }
 
 template <class Find>
 void PatchReference::improve(Registration& registration, double scale, std::size_t samples, int rounds,
-                             const Find& find) const {
+                             Find&& find) const {
   struct Pair {
     Vector3d from, to, normal;
     double distance, facing;
@@ -230,18 +280,19 @@ void PatchReference::improve(Registration& registration, double scale, std::size
     before = *half;
     const double usual = std::max(0.01 * radius, 1.5 * *half);
 
-    // from + w x (from - o) + t + l (from - o) in the plane at `to`: n.(...) = 0, in units of the radius about o.
+    // from + w x (from - o) + t + l (from - o) in the plane at `to`: n.(...) = 0, in units of the radius about o; the
+    // last column is the right side.
     const Vector3d o = apply(registration.target_from_reference, around_.centre);
-    Eigen::Matrix<double, 7, 7> H = Eigen::Matrix<double, 7, 7>::Zero();
-    Eigen::Matrix<double, 7, 1> g = Eigen::Matrix<double, 7, 1>::Zero();
+    Eigen::Matrix<double, 8, 8> sums = Eigen::Matrix<double, 8, 8>::Zero();
     for (const Pair& pair : pairs) {
       const double weight = std::max(0.0, pair.facing) / std::pow(1 + std::pow(pair.distance / usual, 2), 2);
       const Vector3d x = (pair.from - o) / radius;
-      Eigen::Matrix<double, 7, 1> row;
-      row << x.cross(pair.normal), pair.normal, pair.normal.dot(x);
-      H += weight * row * row.transpose();
-      g += weight * row * pair.normal.dot(pair.to - pair.from) / radius;
+      Eigen::Matrix<double, 8, 1> row;
+      row << x.cross(pair.normal), pair.normal, pair.normal.dot(x), pair.normal.dot(pair.to - pair.from) / radius;
+      sums.noalias() += (weight * row) * row.transpose();
     }
+    Eigen::Matrix<double, 7, 7> H = sums.topLeftCorner<7, 7>();
+    const Eigen::Matrix<double, 7, 1> g = sums.topRightCorner<7, 1>();
     H.diagonal().array() += 1e-4 * H.trace() / 7 + 1e-12;  // what the surface does not tell stays
     Eigen::Matrix<double, 7, 1> step = H.ldlt().solve(g);
     if (!step.allFinite()) break;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "sdk/expansion/face_graph.h"
 #include "sdk/expansion/polar_relief.h"
 #include "sdk/expansion/region_shares.h"
+#include "sdk/expansion/sample_grid.h"
 #include "sdk/expansion/surface_samples.h"
 
 namespace armature::sdk {
@@ -19,6 +22,11 @@ namespace armature::sdk {
 [[nodiscard]] inline Eigen::Vector3d apply(const Eigen::Matrix4d& T, const Eigen::Vector3d& point) {
   return T.topLeftCorner<3, 3>() * point + T.topRightCorner<3, 1>();
 }
+
+/// A few hundred samples of a surface within `radius` of a vertex, and as densely within `reach`, of what hangs
+/// together with it.
+[[nodiscard]] std::vector<SurfaceSample> samples_about(const FaceGraph& graph, VertexId at, double radius,
+                                                       double reach);
 
 /// What is near a place of a surface and hangs together with it.
 struct PatchSurroundings {
@@ -39,6 +47,22 @@ struct Registration {
   double misfit = 0;      ///< mean square of how far they lie apart, of means over cells, of the radius squared
 };
 
+/// How a patch may lie about a vertex, before anybody has looked closely.
+struct RoughlyLaid {
+  double scale = 1;                     ///< about which it was looked for
+  std::vector<Registration> ways = {};  ///< best first: of either handedness, two that differ by their turn
+  SampleGrid grid = {};                 ///< of what is there
+
+  /// The least.
+  [[nodiscard]] double misfit() const noexcept { return ways.front().misfit; }
+};
+
+/// Where a surface comes nearest to a point: downhill from the face that was last nearest, if any; and where that is
+/// not near, of a patch of that radius, from what its grid knows near the point, since it may be another fold. No valid
+/// face where neither knows one.
+[[nodiscard]] SurfacePoint closest_near(const FaceGraph& graph, const SampleGrid& grid, FaceId last,
+                                        const Eigen::Vector3d& point, double radius);
+
 /// The border of a patch, as a mesh of faces that are edges.
 [[nodiscard]] Mesh border_of(const Surface& surface, std::span<const FaceId> patch);
 
@@ -47,9 +71,12 @@ class PatchReference {
  public:
   PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball);
 
-  /// Lays the reference onto the surface of a graph about a vertex at about a scale: angles at which the reliefs agree,
-  /// then iterated closest points to the tangent plane (Chen and Medioni 1991), from the most promising.
-  [[nodiscard]] Registration lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
+  /// Lays the reference onto the surface of a graph about a vertex at about a scale, as it is and mirrored: angles at
+  /// which the reliefs agree, then iterated closest points to the tangent plane (Chen and Medioni 1991), from the most
+  /// promising, on a grid.
+  [[nodiscard]] RoughlyLaid lay_roughly(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
+  /// Improves that on the surface itself, and decides whether it is mirrored.
+  [[nodiscard]] Registration lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const;
   /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
   [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const Registration& registration) const;
 
@@ -60,13 +87,16 @@ class PatchReference {
   /// Improves a registration over about so many samples. `find(i, point)` gives the target near the i-th sample, which
   /// has come to lie there, or nothing.
   template <class Find>
-  void improve(Registration& registration, double scale, std::size_t samples, int rounds, const Find& find) const;
+  void improve(Registration& registration, double scale, std::size_t samples, int rounds, Find&& find) const;
 
   void measure_border(const FaceGraph& graph);
 
+  const FaceGraph* graph_;
   const Surface* surface_;
   PatchBall ball_;
+  double area_;  // of the patch
   PatchSurroundings around_;
+  SampleGrid grid_;
   RegionShares shares_;             // of the patch
   std::vector<float> to_border_;    // by vertex; negative far from the patch
   std::vector<std::size_t> cells_;  // that noise is averaged over, by sample

@@ -7,30 +7,48 @@
 #include <Eigen/Dense>
 
 namespace armature::sdk {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The sector of one relief that a sector of the other comes to lie on.
-std::size_t sector_onto(std::size_t sector, std::size_t shift, bool mirrored) {
-  constexpr std::size_t n = PolarRelief::kSectors;
-  return mirrored ? (shift + n - sector) % n : (shift + sector) % n;
+namespace {
+
+/// The sector of a direction, in one of eight by its slope, without any arc tangent.
+Eigen::Index sector_of(double x, double y) {
+  constexpr Eigen::Index kEighth = PolarRelief::kSectors / 8;
+  constexpr std::array<double, kEighth - 1> kSlopes = {0.13165249758739585, 0.2679491924311227, 0.41421356237309503,
+                                                       0.5773502691896257, 0.7673269879789604};
+  const double along = std::max(std::abs(x), std::abs(y));
+  const double across = std::min(std::abs(x), std::abs(y));
+  Eigen::Index sector = 0;
+  for (const double slope : kSlopes) sector += across >= slope * along ? 1 : 0;
+  if (std::abs(y) > std::abs(x)) sector = 2 * kEighth - 1 - sector;
+  if (x < 0) sector = 4 * kEighth - 1 - sector;
+  return y < 0 ? 8 * kEighth - 1 - sector : sector;
 }
 
 }  // namespace
 
-double difference(const PolarRelief& reference, const PolarRelief& target, std::size_t shift, bool mirrored) {
-  double sum = 0;
-  double area = 0;
-  for (std::size_t ring = 0; ring < PolarRelief::kRings; ++ring)
-    for (std::size_t k = 0; k < PolarRelief::kSectors; ++k) {
-      const std::size_t onto = sector_onto(k, shift, mirrored);
-      const double both = std::min(reference.area[ring][k], target.area[ring][onto]);
-      sum += both * std::pow(reference.height[ring][k] - target.height[ring][onto], 2);
-      area += both;
-    }
-  return area > 0 ? sum / area : 0;
+std::array<float, PolarRelief::kSectors> differences(const PolarRelief& reference, const PolarRelief& target,
+                                                     bool mirrored) {
+  constexpr Eigen::Index n = PolarRelief::kSectors;
+  PolarRelief::Cells height = reference.height;
+  PolarRelief::Cells area = reference.area;
+  if (mirrored) {  // sector k comes to lie on -k
+    height.bottomRows<n - 1>() = reference.height.bottomRows<n - 1>().colwise().reverse();
+    area.bottomRows<n - 1>() = reference.area.bottomRows<n - 1>().colwise().reverse();
+  }
+  using Twice = Eigen::Array<float, 2 * n, PolarRelief::kRings>;  // so that turns are whole runs
+  const Twice onto_height = target.height.replicate<2, 1>();
+  const Twice onto_area = target.area.replicate<2, 1>();
+  std::array<float, n> result{};
+  for (Eigen::Index shift = 0; shift < n; ++shift) {
+    const PolarRelief::Cells both = area.min(onto_area.middleRows<n>(shift));
+    const float all = both.sum();
+    const float squares = (both * (height - onto_height.middleRows<n>(shift)).square()).sum();
+    result[static_cast<std::size_t>(shift)] = all > 0 ? squares / all : 0;
+  }
+  return result;
 }
 
 Matrix3d turn_by(const PolarRelief& reference, const PolarRelief& target, std::size_t shift, bool mirrored) {
@@ -48,31 +66,27 @@ PolarRelief relief_of(std::span<const SurfaceSample> samples, const Vector3d& ce
   PolarRelief relief;
   Vector3d normal = Vector3d::Zero();
   for (const SurfaceSample& s : samples)
-    if ((s.point - centre).norm() <= radius) normal += s.area * s.normal;
+    if ((s.point - centre).squaredNorm() <= radius * radius) normal += s.area * s.normal;
   if (!(normal.norm() > 0)) return relief;
   const Vector3d n = normal.normalized();
   const Vector3d u = n.unitOrthogonal();
   relief.frame << u, n.cross(u), n;
+  const Matrix3d into_frame = relief.frame.transpose() / radius;
   double mean = 0;
   double all = 0;
   for (const SurfaceSample& s : samples) {
-    const Vector3d x = relief.frame.transpose() * (s.point - centre) / radius;
-    const double distance = x.head<2>().norm();
-    if (distance >= 1) continue;
-    const double turn = std::atan2(x.y(), x.x()) / (2 * std::numbers::pi);
-    const auto sector = static_cast<std::size_t>((turn < 0 ? turn + 1 : turn) * PolarRelief::kSectors);
-    const auto ring = static_cast<std::size_t>(distance * PolarRelief::kRings);
+    const Vector3d x = into_frame * (s.point - centre);
+    const double distance2 = x.head<2>().squaredNorm();
+    if (!(distance2 < 1)) continue;
+    const auto ring = static_cast<Eigen::Index>(std::sqrt(distance2) * PolarRelief::kRings);
+    const Eigen::Index sector = sector_of(x.x(), x.y());
     const double area = s.area / (radius * radius);
-    relief.height[ring][sector % PolarRelief::kSectors] += area * x.z();
-    relief.area[ring][sector % PolarRelief::kSectors] += area;
+    relief.height(sector, ring) += static_cast<float>(area * x.z());
+    relief.area(sector, ring) += static_cast<float>(area);
     mean += area * x.z();
     all += area;
   }
-  for (std::size_t ring = 0; ring < PolarRelief::kRings; ++ring)
-    for (std::size_t k = 0; k < PolarRelief::kSectors; ++k) {
-      const double area = relief.area[ring][k];
-      relief.height[ring][k] = area > 0 ? relief.height[ring][k] / area - mean / all : 0;
-    }
+  relief.height = (relief.area > 0).select(relief.height / relief.area - static_cast<float>(mean / all), 0);
   return relief;
 }
 

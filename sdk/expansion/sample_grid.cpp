@@ -12,7 +12,7 @@ SampleGrid::SampleGrid(std::span<const SurfaceSample> samples, const Eigen::Vect
     if (!cell) continue;
     if (nearest_[*cell] == kNone) {
       nearest_[*cell] = static_cast<std::uint16_t>(means_.size());
-      means_.push_back({Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0});
+      means_.push_back({Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0, sample.face});
       reached.push_back(*cell);
     }
     SurfaceSample& mean = means_[nearest_[*cell]];

@@ -17,13 +17,15 @@ namespace armature::sdk {
 /// nearest to it, nearly: what is near a point is found in constant time, for laying surfaces onto one another roughly.
 class SampleGrid {
  public:
+  /// Of nothing.
+  SampleGrid() = default;
   /// A cube of `kCells`^3 cells about a centre; samples outside of it are left out.
   SampleGrid(std::span<const SurfaceSample> samples, const Eigen::Vector3d& centre, double half_side);
 
   /// A mean sample near a point; nothing where the surface is more than `kFar` cells away.
   [[nodiscard]] const SurfaceSample* near(const Eigen::Vector3d& point) const noexcept {
     const auto cell = cell_of(point);
-    return cell && nearest_[*cell] != kNone ? &means_[nearest_[*cell]] : nullptr;
+    return cell && !nearest_.empty() && nearest_[*cell] != kNone ? &means_[nearest_[*cell]] : nullptr;
   }
 
  private:
@@ -38,8 +40,8 @@ class SampleGrid {
            static_cast<std::size_t>(x[2]);
   }
 
-  Eigen::Vector3d lowest_;
-  double cells_per_length_;
+  Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
+  double cells_per_length_ = 0;
   std::vector<SurfaceSample> means_;
   std::vector<std::uint16_t> nearest_;  // of means_, by cell
 };

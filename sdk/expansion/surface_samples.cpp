@@ -21,7 +21,7 @@ std::vector<SurfaceSample> samples_of(const Mesh& mesh, std::span<const FaceId> 
     const Vector3d& a = mesh.corner(face, 0);
     const Vector3d u = (mesh.corner(face, 1) - a) / k;
     const Vector3d v = (mesh.corner(face, 2) - a) / k;
-    const SurfaceSample piece{a, vector / size, size / (k * k)};
+    const SurfaceSample piece{a, vector / size, size / (k * k), face};
     for (int i = 0; i < k; ++i)
       for (int j = 0; i + j < k; ++j) {
         samples.push_back(piece);

@@ -13,6 +13,7 @@ struct SurfaceSample {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;  ///< of its face
   double area;
+  FaceId face;
 };
 
 /// Faces cut into pieces of about `area`, each face into k^2 equal triangles; one piece for a smaller face, none for

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <stop_token>
+#include <string_view>
 
 #include <Eigen/Dense>
 #include <armature/sdk/expansion/patch_expansion.h>
 #include <armature/sdk/expansion/patch_map.h>
 #include <gtest/gtest.h>
 
+#include "sdk/expansion/face_graph.h"
+#include "sdk/expansion/patch_registration.h"
 #include "sdk/expansion/sample_grid.h"
 #include "tests/sdk/mesh/surfaces.h"
 #include "tests/sdk/selection/table.h"
@@ -86,6 +89,58 @@ TEST(SampleGrid, KnowsWhatIsNearAPoint) {
   EXPECT_EQ(grid.near({0, 0, 9}), nullptr);
 }
 
+TEST(FaceGraph, FindsTheClosestPointDownhillFromWhatIsNearIt) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const FaceGraph graph(surface);
+  for (std::size_t v = 0; v < mesh.positions.size(); v += 17) {
+    const Vector3d point = mesh.positions[v] + 0.02 * surface.vertex_normals[v] + Vector3d(0.007, 0.003, 0);
+    const SurfacePoint closest = surface.tree.closest(point);
+    const SurfacePoint beside = surface.tree.closest(point + Vector3d(0.06, -0.05, 0));
+    const SurfacePoint found = graph.closest_from(beside.face, point);
+    EXPECT_NEAR(found.distance, closest.distance, 1e-12) << point.transpose();
+    EXPECT_NEAR((found.point - point).norm(), found.distance, 1e-12);
+    const auto& [a, b, c] = mesh.triangle(found.face);
+    const Vector3d there = found.barycentric[0] * mesh.position(a) + found.barycentric[1] * mesh.position(b) +
+                           found.barycentric[2] * mesh.position(c);
+    EXPECT_NEAR((there - found.point).norm(), 0, 1e-12);
+  }
+}
+
+TEST(FaceGraph, LeadsAcrossTheMeshButNeverAwayFromThePoint) {
+  const Mesh mesh = surfaces::icosphere(4);
+  const Surface surface(mesh);
+  const FaceGraph graph(surface);
+  const Vector3d point(0, 0.1, 1.5);
+  for (std::size_t f = 0; f < mesh.triangles.size(); f += 37)
+    EXPECT_NEAR(graph.closest_from(FaceId(f), point).distance, surface.tree.closest(point).distance, 1e-12) << f;
+}
+
+TEST(FaceGraph, OfFacesWithoutAnAreaOrEdgesTakesWhatIsThere) {
+  const Mesh mesh = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}}, {{0, 1, 2}, {0, 0, 1}, {0, 1, 3}});
+  const Surface surface(mesh);
+  const FaceGraph graph(surface);
+  for (std::size_t f = 0; f < 3; ++f) {
+    const SurfacePoint found = graph.closest_from(FaceId(f), {0.25, 0.25, 3});
+    ASSERT_TRUE(found.face.valid());
+    EXPECT_NEAR(found.distance, 3, 0.02) << f;
+  }
+}
+
+TEST(PatchReference, ReachesAMatchWhoseCentreIsLifted) {
+  Mesh mesh = table_with_bumps();
+  const auto patch = faces_within(mesh, 0.2, {-0.5, -0.5});
+  // One vertex, so far up that no face around it lies near the patch.
+  mesh.positions[vertex_near(mesh, {0.5, -0.5, 0}).index()].z() += 0.3;
+  const Surface surface(mesh);
+  const FaceGraph graph(surface);
+  const PatchReference reference(graph, patch, *patch_ball(surface, patch));
+  Registration there;
+  there.target_from_reference(0, 3) = 1;
+  const auto match = reference.extent(graph, there);
+  EXPECT_GT(table::overlap(mesh, match, faces_within(mesh, 0.2, {0.5, -0.5})), 0.85);
+}
+
 TEST(PatchExpansion, FindsTheLikesOfABump) {
   const Mesh mesh = table_with_bumps();
   const Surface surface(mesh);
@@ -162,6 +217,9 @@ TEST(PatchExpansion, DegenerateMeshesGiveAResultOrAMessage) {
   const Mesh fan = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}, {0.5, 0, 1}},
                                      {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 0, 1}});
   EXPECT_TRUE(expand_patch(Surface(fan), std::vector{FaceId(1)}));
+  EXPECT_TRUE(expand_patch(Surface(fan), std::vector{FaceId(3)}));  // which names a vertex twice
+  const Mesh side = surfaces::mesh_of({{0, 0, 0}, {1, 0, 0}}, {{0, 0, 1}});
+  EXPECT_TRUE(expand_patch(Surface(side), std::vector{FaceId(0)}));
   const Mesh point = surfaces::mesh_of({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}});
   EXPECT_FALSE(expand_patch(Surface(point), std::vector{FaceId(0)}));
   EXPECT_FALSE(expand_patch(Surface(one), std::vector<FaceId>{}));
@@ -174,6 +232,18 @@ TEST(PatchExpansion, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
   const auto expansion = expand_patch(Surface(mesh), std::vector{FaceId(0)}, {}, {.stop = stop.get_token()});
+  ASSERT_FALSE(expansion);
+  EXPECT_EQ(expansion.error().kind, ErrorKind::Cancelled);
+}
+
+TEST(PatchExpansion, StopsWhileItLaysThePatch) {
+  const Mesh mesh = table_with_bumps();
+  std::stop_source stop;
+  const auto at_once = [&](std::string_view step, double) {
+    if (step.starts_with("laying")) stop.request_stop();
+  };
+  const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.2, {-0.5, -0.5}), {},
+                                      {.stop = stop.get_token(), .progress = at_once});
   ASSERT_FALSE(expansion);
   EXPECT_EQ(expansion.error().kind, ErrorKind::Cancelled);
 }

@@ -30,7 +30,7 @@ inline std::vector<FaceId> faces_within(const Mesh& mesh, double radius,
                                         const Eigen::Vector2d& centre = Eigen::Vector2d::Zero()) {
   std::vector<FaceId> faces;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
-    if ((middle(mesh, FaceId(f)).head<2>() - centre).norm() < radius) faces.emplace_back(f);
+    if ((table::middle(mesh, FaceId(f)).head<2>() - centre).norm() < radius) faces.emplace_back(f);
   return faces;
 }
 

@@ -13,21 +13,23 @@ namespace armature::sdk {
 
 /// What counts as like a patch.
 struct PatchExpansionOptions {
-  std::size_t most = 64;             ///< candidates whose extent is found; the best by their contexts
+  std::size_t most = 64;             ///< candidates whose extent is found; the best of eight times as many by contexts
   std::vector<double> scales = {1};  ///< sizes that are looked for, against the reference; each between 1/8 and 8
   bool mirrored = true;              ///< whether mirror images count
 };
 
 /// How long the steps of an expansion took, in milliseconds.
 struct PatchExpansionTimes {
-  double map_ms = 0;           ///< similarity maps
-  double learn_ms = 0;         ///< what is asked about the reference once
-  double matches_ms = 0;       ///< registration and extent of all candidates
-  std::size_t candidates = 0;  ///< how many those were
+  double map_ms = 0;                ///< similarity maps
+  double learn_ms = 0;              ///< what is asked about the reference once
+  double matches_ms = 0;            ///< registration and extent of all candidates
+  double matches_processor_ms = 0;  ///< the same as processor time of the whole process, on all cores together
+  std::size_t candidates = 0;       ///< how many were looked at closely
 };
 
 /// Finds the regions of a surface that are like a patch (thesis, section 5.4.3): maxima of the similarity map, laid
-/// onto the reference by its relief around its mean normal and by iterated closest points; a face belongs to a match
+/// onto the reference by its relief around its mean normal and by iterated closest points: roughly all of them, then
+/// those closely that lie best; a face belongs to a match
 /// where it comes to lie on a face of the reference. A match is connected. Its score is the mean of the similarity of
 /// contexts and of how well the surfaces lie on one another. Uses all cores; the same on any number of them. Refused
 /// where `patch_ball()` refuses.
