@@ -84,7 +84,7 @@ std::string in_words(const char* format, double a, double b = 0) {
   return text.data();
 }
 
-std::string reason_of(double similarity, const Registration& laid) {
+std::string reason_of(double similarity, const PatchFit& laid) {
   std::string reason =
       in_words("surroundings %.0f %% alike, surfaces lie %.0f %% on one another", 100 * similarity, 100 * laid.fit);
   if (laid.mirrored) reason += ", mirrored";
@@ -178,7 +178,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
     if (task.stopped()) return;
     const Place& place = places[order[rank]];
-    const Registration laid = model.lay_onto(graph, place.centre, place.scale, options.mirrored);
+    const PatchFit laid = model.lay_onto(graph, place.centre, place.scale, options.mirrored);
     Match& match = candidates[order[rank]].match;
     match.faces = model.extent(graph, laid);
     match.score = 0.5 * (double{place.similarity} + laid.fit);

@@ -138,7 +138,7 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
   measure_border(graph);
 }
 
-Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
+PatchFit PatchReference::lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
   const Surface& target = graph.surface();
   const double radius = scale * ball_.radius;
   const PatchSurroundings there(graph, at, radius, kGathered * radius);
@@ -150,9 +150,9 @@ Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, doubl
     return OnTarget{near->point, near->normal};
   };
   const auto best_of = [&](bool mirrored) {
-    std::optional<Registration> best;
+    std::optional<PatchFit> best;
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
-      Registration tried{.scale = scale, .mirrored = mirrored};
+      PatchFit tried{.scale = scale, .mirrored = mirrored};
       const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       tried.target_from_reference.topLeftCorner<3, 3>() = A;
       tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
@@ -172,14 +172,14 @@ Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, doubl
                 target.vertex_normals[target.mesh.triangle(to.face)[k].index()];
     return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
   };
-  Registration best = best_of(false);
+  PatchFit best = best_of(false);
   if (mirrored_too) {
-    Registration mirrored = best_of(true);
+    PatchFit mirrored = best_of(true);
     const auto undecided = [&](double least) {
       return mirrored.misfit > least * best.misfit && best.misfit > least * mirrored.misfit;
     };
     const auto look_closer = [&](std::size_t samples) {
-      for (Registration* laid : {&best, &mirrored}) improve(*laid, scale, samples, kFewRounds, exactly);
+      for (PatchFit* laid : {&best, &mirrored}) improve(*laid, scale, samples, kFewRounds, exactly);
     };
     const auto both = [&] { return std::min(best.misfit, mirrored.misfit); };
     if (both() < kHopeless && undecided(kRoughlyUndecided)) look_closer(kMany);
@@ -192,7 +192,7 @@ Registration PatchReference::lay_onto(const FaceGraph& graph, VertexId at, doubl
 }
 
 template <class Find>
-void PatchReference::improve(Registration& registration, double scale, std::size_t samples, int rounds,
+void PatchReference::improve(PatchFit& registration, double scale, std::size_t samples, int rounds,
                              const Find& find) const {
   struct Pair {
     Vector3d from, to, normal;

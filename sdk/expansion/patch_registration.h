@@ -31,7 +31,7 @@ struct PatchSurroundings {
 };
 
 /// Where a patch lies on a surface.
-struct Registration {
+struct PatchFit {
   Eigen::Matrix4d target_from_reference = Eigen::Matrix4d::Identity();
   double scale = 1;       ///< of that
   bool mirrored = false;  ///< whether it mirrors
@@ -49,9 +49,9 @@ class PatchReference {
 
   /// Lays the reference onto the surface of a graph about a vertex at about a scale: angles at which the reliefs agree,
   /// then iterated closest points to the tangent plane (Chen and Medioni 1991), from the most promising.
-  [[nodiscard]] Registration lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
+  [[nodiscard]] PatchFit lay_onto(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
   /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
-  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const Registration& registration) const;
+  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const PatchFit& registration) const;
 
   [[nodiscard]] const PatchBall& ball() const noexcept { return ball_; }
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
@@ -60,7 +60,7 @@ class PatchReference {
   /// Improves a registration over about so many samples. `find(i, point)` gives the target near the i-th sample, which
   /// has come to lie there, or nothing.
   template <class Find>
-  void improve(Registration& registration, double scale, std::size_t samples, int rounds, const Find& find) const;
+  void improve(PatchFit& registration, double scale, std::size_t samples, int rounds, const Find& find) const;
 
   void measure_border(const FaceGraph& graph);
 
