@@ -97,7 +97,7 @@ Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlSe
   auto impl = std::make_unique<Impl>();
   impl->local = endpoints->control.starts_with("ipc:");
   impl->options = std::move(options);
-  impl->socket.set(ZMQ_LINGER, 250).set_max_bytes(kMaxMessageBytes);
+  impl->socket.set(ZMQ_LINGER, 250);
   auto lock = bind_exclusively(impl->socket, endpoints->control);
   if (!lock) return tl::unexpected(lock.error());
   impl->lock = *std::move(lock);
@@ -156,7 +156,6 @@ Expected<ControlClient> ControlClient::connect(std::string_view endpoint) {
   impl->endpoint = endpoints->control;
   // IMMEDIATE: a request must not lie in wait for a server that starts after its client has given up.
   impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_IMMEDIATE, 1).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
-  impl->socket.set_max_bytes(kMaxMessageBytes);
   if (auto connected = navproto::connect(impl->socket, impl->endpoint); !connected) {
     return tl::unexpected(connected.error());
   }

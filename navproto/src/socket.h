@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <armature/navproto/codec.h>
 #include <armature/navproto/error.h>
 #include <zmq.h>
 
@@ -43,11 +44,12 @@ class Part {
   zmq_msg_t message_;
 };
 
-/// A socket that never waits by itself: send and receive report at once what they could do.
+/// A socket that never waits by itself: send and receive report at once what they could do. A peer that announces a
+/// message of more than kMaxMessageBytes, or what set_max_bytes() says, is sent away before memory is taken for it.
 class Socket {
  public:
   Socket() = default;
-  Socket(void* context, int type) : handle_(zmq_socket(context, type)) {}
+  Socket(void* context, int type) : handle_(zmq_socket(context, type)) { set_max_bytes(kMaxMessageBytes); }
 
   Socket& set(int option, int value) {
     zmq_setsockopt(handle_.get(), option, &value, sizeof value);

@@ -75,7 +75,6 @@ struct NavSubscriber::Impl {
     if (!endpoints) return tl::unexpected(endpoints.error());
     const auto open = [this](Socket& socket, const std::string& where, bool conflate) {
       socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
-      socket.set_max_bytes(kMaxMessageBytes);
       if (options.curve) identify(socket, *options.curve);
       if (conflate)
         socket.set(ZMQ_CONFLATE, 1);

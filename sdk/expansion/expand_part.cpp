@@ -210,7 +210,7 @@ std::string in_percent(double share) {
 /// A candidate's way from a node to a part.
 struct Solved {
   std::vector<FaceId> faces = {};
-  Registration registration = {};
+  PartFit registration = {};
   Histogram histogram = {};
   bool copy = false;  ///< of the reference, moved, scaled or mirrored
 };
@@ -270,12 +270,12 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
     const Ring ring = cutter.ring_around(node, std::max(kReach * model.offset(node.through), kCarryReach * node.girth));
     result.copy = result.registration.residual < kCopy * wanted_frame.size;
     const auto about_cut = some_of(mesh, ring.near, kSamples);
-    Registration carry = result.copy ? onto_reference.refine(result.registration, about_cut)
-                                     : onto_reference.lay(frame, girth_scale, about_cut);
+    PartFit carry = result.copy ? onto_reference.refine(result.registration, about_cut)
+                                : onto_reference.lay(frame, girth_scale, about_cut);
     if (result.copy) {
       // All of a copy is a better witness than the cut's surroundings, unless these say clearly otherwise: it is bent.
       constexpr double kClearly = 0.6;
-      Registration whole = result.registration;
+      PartFit whole = result.registration;
       whole.residual = onto_reference.residual(whole.reference_from_part, about_cut);
       if (carry.residual > kClearly * whole.residual) carry = whole;
     }

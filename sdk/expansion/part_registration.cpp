@@ -188,7 +188,7 @@ PartRegistration::PartRegistration(const Surface& surface, std::span<const FaceI
   }
 }
 
-Registration PartRegistration::lay(const PartFrame& part, double scale, std::span<const Vector3d> points) const {
+PartFit PartRegistration::lay(const PartFrame& part, double scale, std::span<const Vector3d> points) const {
   const Matrix4d part_from_world = part.world_from_part.inverse();
   // A few points tell which turn is right.
   constexpr std::size_t kFew = 32;
@@ -228,19 +228,19 @@ Registration PartRegistration::lay(const PartFrame& part, double scale, std::spa
   constexpr double kBetter = 0.8;  // round things fit as well at any turn: the first stays
   const double hopeless = kHopeless * std::min(starts[0].front().error, starts[1].front().error);
   const auto finished = [&](bool mirrored) {
-    std::optional<Registration> best;
+    std::optional<PartFit> best;
     for (const Start& start :
          std::span(starts[mirrored ? 1 : 0]).first(std::min(kTried, starts[mirrored ? 1 : 0].size()))) {
       if (best && (start.error > hopeless || best->residual < kWell * frame_.size)) break;
-      const Registration laid = refine({start.reference_from_part, mirrored}, points);
+      const PartFit laid = refine({start.reference_from_part, mirrored}, points);
       if (!best || laid.residual < kBetter * best->residual) best = laid;
     }
     return *best;
   };
-  const Registration plain = finished(false);
+  const PartFit plain = finished(false);
   // Most parts are like their mirror image: only one that fits clearly better counts.
   if (starts[1].front().error > kHopeless * starts[0].front().error) return plain;
-  const Registration mirrored = finished(true);
+  const PartFit mirrored = finished(true);
   constexpr double kClearlyBetter = 0.5;
   return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;
 }
@@ -249,7 +249,7 @@ double PartRegistration::residual(const Matrix4d& reference_from_part, std::span
   return std::sqrt(mean_square_to_planes(goal_, reference_from_part, points));
 }
 
-Registration PartRegistration::refine(const Registration& start, std::span<const Vector3d> points) const {
+PartFit PartRegistration::refine(const PartFit& start, std::span<const Vector3d> points) const {
   const Matrix4d& before = start.reference_from_part;
   Matrix4d fit = iterate(goal_, before, points);
   // What shrinks or swells has lost its way.

@@ -10,7 +10,7 @@
 namespace armature::sdk {
 
 /// How a part lies on a reference.
-struct Registration {
+struct PartFit {
   Eigen::Matrix4d reference_from_part = Eigen::Matrix4d::Identity();  ///< a similarity
   bool mirrored = false;                                              ///< it fits clearly better mirrored
   double residual = 0;  ///< root mean square distance to the planes of the reference
@@ -53,12 +53,12 @@ class PartRegistration {
   /// The reference's own.
   [[nodiscard]] const PartFrame& frame() const noexcept { return frame_; }
   /// Lays some points of a part onto the reference, which is `scale` times as large.
-  [[nodiscard]] Registration lay(const PartFrame& part, double scale, std::span<const Eigen::Vector3d> points) const;
+  [[nodiscard]] PartFit lay(const PartFrame& part, double scale, std::span<const Eigen::Vector3d> points) const;
   /// How far points lie from the planes of the reference, root mean square.
   [[nodiscard]] double residual(const Eigen::Matrix4d& reference_from_part,
                                 std::span<const Eigen::Vector3d> points) const;
   /// Lays other points of it closer, from there.
-  [[nodiscard]] Registration refine(const Registration& start, std::span<const Eigen::Vector3d> points) const;
+  [[nodiscard]] PartFit refine(const PartFit& start, std::span<const Eigen::Vector3d> points) const;
 
  private:
   PartFrame frame_;

@@ -94,7 +94,7 @@ std::string in_words(const char* format, double a, double b = 0) {
   return text.data();
 }
 
-std::string reason_of(double similarity, const Registration& laid) {
+std::string reason_of(double similarity, const PatchFit& laid) {
   std::string reason =
       in_words("surroundings %.0f %% alike, surfaces lie %.0f %% on one another", 100 * similarity, 100 * laid.fit);
   if (laid.mirrored) reason += ", mirrored";
@@ -200,13 +200,12 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     if (task.stopped()) return;
     const std::size_t rank = closely[i];
     const Place& place = places[order[rank]];
-    Registration laid = model.lay_closely(graph, roughly[rank]);
+    PatchFit laid = model.lay_closely(graph, roughly[rank]);
     // Far from where it was looked for, not all of it was in sight.
     const VertexId centre = vertex_under(surface, apply(laid.target_from_reference, model.centre()));
     const double astray = (surface.mesh.position(centre) - surface.mesh.position(place.centre)).norm();
     if (laid.fit > kPromising && astray > kAstray * place.scale * ball->radius) {
-      const Registration again =
-          model.lay_closely(graph, model.lay_roughly(graph, centre, place.scale, options.mirrored));
+      const PatchFit again = model.lay_closely(graph, model.lay_roughly(graph, centre, place.scale, options.mirrored));
       if (again.misfit < laid.misfit) laid = again;
     }
     Match& match = candidates[order[rank]].match;

@@ -52,7 +52,7 @@ void PatchReference::measure_border(const FaceGraph& graph) {
   });
 }
 
-std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const Registration& registration) const {
+std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const PatchFit& registration) const {
   const Surface& target = graph.surface();
   const Mesh& mesh = target.mesh;
   const Matrix4d reference_from_target = registration.target_from_reference.inverse();

@@ -108,7 +108,7 @@ std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius
 }
 
 /// The angle of the turn from one registration to another of the same handedness.
-double angle_between(const Registration& a, const Registration& b) {
+double angle_between(const PatchFit& a, const PatchFit& b) {
   const Matrix3d A = a.target_from_reference.topLeftCorner<3, 3>() / a.scale;
   const Matrix3d B = b.target_from_reference.topLeftCorner<3, 3>() / b.scale;
   return std::acos(std::clamp(((A.transpose() * B).trace() - 1) / 2, -1.0, 1.0));
@@ -186,27 +186,27 @@ RoughlyLaid PatchReference::lay_roughly(const FaceGraph& graph, VertexId at, dou
   RoughlyLaid laid{scale, {}, {}};
   for (const bool mirrored : {false, true}) {
     if (mirrored && !mirrored_too) break;
-    std::vector<Registration> ways;
+    std::vector<PatchFit> ways;
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
-      Registration tried{.scale = scale, .mirrored = mirrored};
+      PatchFit tried{.scale = scale, .mirrored = mirrored};
       const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       tried.target_from_reference.topLeftCorner<3, 3>() = A;
       tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
       improve(tried, scale, kFew, kFewRounds, near_there);
       ways.push_back(tried);
     }
-    std::ranges::stable_sort(ways, {}, &Registration::misfit);
+    std::ranges::stable_sort(ways, {}, &PatchFit::misfit);
     const auto other = std::ranges::find_if(
-        ways, [&](const Registration& way) { return angle_between(ways.front(), way) > kAnotherTurn; });
+        ways, [&](const PatchFit& way) { return angle_between(ways.front(), way) > kAnotherTurn; });
     laid.ways.push_back(ways.front());
     if (other != ways.end()) laid.ways.push_back(*other);
   }
-  std::ranges::stable_sort(laid.ways, {}, &Registration::misfit);
+  std::ranges::stable_sort(laid.ways, {}, &PatchFit::misfit);
   laid.grid = std::move(grid);
   return laid;
 }
 
-Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const {
+PatchFit PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const {
   const Surface& target = graph.surface();
   const double radius = roughly.scale * ball_.radius;
   // From what was found for a sample in the round before.
@@ -224,17 +224,17 @@ Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLa
       return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
     };
   };
-  std::vector<Registration> ways = roughly.ways;
+  std::vector<PatchFit> ways = roughly.ways;
   const auto look_closer = [&](std::size_t samples, double least) {
-    const double best = std::ranges::min(ways, {}, &Registration::misfit).misfit;
-    std::erase_if(ways, [&](const Registration& way) { return best < least * way.misfit; });
+    const double best = std::ranges::min(ways, {}, &PatchFit::misfit).misfit;
+    std::erase_if(ways, [&](const PatchFit& way) { return best < least * way.misfit; });
     if (ways.size() == 1) return;
-    for (Registration& way : ways) improve(way, roughly.scale, samples, kFewRounds, nearest());
+    for (PatchFit& way : ways) improve(way, roughly.scale, samples, kFewRounds, nearest());
   };
   if (roughly.misfit() < kHopeless) look_closer(kSome, kRoughlyUndecided);
   // Where noise might decide, all samples do.
-  if (std::ranges::min(ways, {}, &Registration::misfit).misfit < kLikely) look_closer(kAll, kUndecided);
-  Registration best = std::ranges::min(ways, {}, [](const Registration& way) {
+  if (std::ranges::min(ways, {}, &PatchFit::misfit).misfit < kLikely) look_closer(kAll, kUndecided);
+  PatchFit best = std::ranges::min(ways, {}, [](const PatchFit& way) {
     return way.mirrored ? (way.misfit + kAlike) / kWorthMirroring : way.misfit;
   });
   improve(best, roughly.scale, kMany, best.misfit < kHopeless ? kManyRounds : 0, nearest());
@@ -242,8 +242,7 @@ Registration PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLa
 }
 
 template <class Find>
-void PatchReference::improve(Registration& registration, double scale, std::size_t samples, int rounds,
-                             Find&& find) const {
+void PatchReference::improve(PatchFit& registration, double scale, std::size_t samples, int rounds, Find&& find) const {
   struct Pair {
     Vector3d from, to, normal;
     double distance, facing;

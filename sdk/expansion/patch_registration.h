@@ -39,7 +39,7 @@ struct PatchSurroundings {
 };
 
 /// Where a patch lies on a surface.
-struct Registration {
+struct PatchFit {
   Eigen::Matrix4d target_from_reference = Eigen::Matrix4d::Identity();
   double scale = 1;       ///< of that
   bool mirrored = false;  ///< whether it mirrors
@@ -49,9 +49,9 @@ struct Registration {
 
 /// How a patch may lie about a vertex, before anybody has looked closely.
 struct RoughlyLaid {
-  double scale = 1;                     ///< about which it was looked for
-  std::vector<Registration> ways = {};  ///< best first: of either handedness, two that differ by their turn
-  SampleGrid grid = {};                 ///< of what is there
+  double scale = 1;                 ///< about which it was looked for
+  std::vector<PatchFit> ways = {};  ///< best first: of either handedness, two that differ by their turn
+  SampleGrid grid = {};             ///< of what is there
 
   /// The least.
   [[nodiscard]] double misfit() const noexcept { return ways.front().misfit; }
@@ -76,9 +76,9 @@ class PatchReference {
   /// promising, on a grid.
   [[nodiscard]] RoughlyLaid lay_roughly(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
   /// Improves that on the surface itself, and decides whether it is mirrored.
-  [[nodiscard]] Registration lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const;
+  [[nodiscard]] PatchFit lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const;
   /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
-  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const Registration& registration) const;
+  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const PatchFit& registration) const;
 
   [[nodiscard]] const PatchBall& ball() const noexcept { return ball_; }
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
@@ -87,7 +87,7 @@ class PatchReference {
   /// Improves a registration over about so many samples. `find(i, point)` gives the target near the i-th sample, which
   /// has come to lie there, or nothing.
   template <class Find>
-  void improve(Registration& registration, double scale, std::size_t samples, int rounds, Find&& find) const;
+  void improve(PatchFit& registration, double scale, std::size_t samples, int rounds, Find&& find) const;
 
   void measure_border(const FaceGraph& graph);
 

@@ -346,6 +346,9 @@ constexpr const char* kMotorDescriptors =
     "09021200010100c032"
     "0904000000ffffff00";
 
+constexpr const char* kCameraPath = "/sys/devices/usb1/1-1";
+constexpr const char* kMotorPath = "/sys/devices/usb1/1-2";
+
 }  // namespace
 
 struct EmulatedKinect::State {
@@ -354,7 +357,13 @@ struct EmulatedKinect::State {
   EmulatedBus& bus;
   Camera camera;
   Motor motor;
-  bool plugged = false;
+  std::vector<const char*> plugged;  // paths
+
+  void remove(const char* path) {
+    umockdev_testbed_uevent(bus.testbed(), path, "remove");
+    umockdev_testbed_remove_device(bus.testbed(), path);
+    std::erase(plugged, path);
+  }
 };
 
 EmulatedKinect::EmulatedKinect(EmulatedBus& bus) : state_(std::make_unique<State>(bus)) {}
@@ -372,18 +381,18 @@ void EmulatedKinect::plug_in() {
   umockdev_testbed_add_from_string(
       state_->bus.testbed(), description("/devices/usb1/1-2", "bus/usb/001/003", 3, kMotorDescriptors).c_str(), &error);
   if (error != nullptr) g_error("%s", error->message);
-  state_->plugged = true;
+  state_->plugged = {kCameraPath, kMotorPath};
+}
+
+void EmulatedKinect::unplug_power() {
+  state_->camera.set_gone(true);
+  state_->remove(kCameraPath);
 }
 
 void EmulatedKinect::unplug() {
-  if (!state_->plugged) return;
-  state_->plugged = false;
   state_->camera.set_gone(true);
   state_->motor.set_gone(true);
-  for (const char* path : {"/sys/devices/usb1/1-1", "/sys/devices/usb1/1-2"}) {
-    umockdev_testbed_uevent(state_->bus.testbed(), path, "remove");
-    umockdev_testbed_remove_device(state_->bus.testbed(), path);
-  }
+  while (!state_->plugged.empty()) state_->remove(state_->plugged.front());
 }
 
 void EmulatedKinect::stall(bool on) {

@@ -40,6 +40,8 @@ class EmulatedKinect {
   void plug_in();
   /// Gone from the bus; whatever is under way fails with "no such device".
   void unplug();
+  /// Its own power supply is out: the motor board alone, which USB feeds, stays on the bus.
+  void unplug_power();
   /// Stops sending without going away.
   void stall(bool on);
 

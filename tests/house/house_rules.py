@@ -32,6 +32,8 @@ MOST_LINES_OF_A_README = 40
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 DOCUMENT_LINK = re.compile(r"\]\(([^)\s]+)\)")
 UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
+NAMESPACE = re.compile(r"^(?:namespace ([\w:]*) ?\{|\}  // namespace)")
+TYPE = re.compile(r"^(?:struct|class|enum class|union) (\w+)(?: final)?(?: :[^:].*)? \{")
 MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:wo" r"rk|ro" r"ot|ho" r"me)/\w")
 
 
@@ -209,9 +211,34 @@ def check_house(root, files):
             yield f"{folder}: has no README.md"
 
 
+def types_of(text):
+    """Types that a source defines where others see their names: (namespace, name, line)."""
+    spaces = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if found := NAMESPACE.match(line):
+            if line[0] == "}":
+                del spaces[-1:]
+            else:
+                spaces.append(found[1])
+        elif (found := TYPE.match(line)) and "" not in spaces:
+            yield "::".join(spaces), found[1], number
+
+
+def check_names(root, files):
+    """Two types of one name in one namespace are undefined behaviour, which no linker reports."""
+    first = {}
+    for path in files:
+        if path.suffix not in {".h", ".cpp"} or path.parts[0] not in FOLDERS or path.parts[0] == "tests":
+            continue
+        for space, name, line in types_of(text_of(root / path)):
+            other = first.setdefault((space, name), path)
+            if other != path:
+                yield f"{path}:{line}: {space}::{name} is also the name of a type in {other}"
+
+
 def violations(root, links=None):
     files = files_of(root)
-    found = [*check_includes(root, files), *check_house(root, files)]
+    found = [*check_includes(root, files), *check_names(root, files), *check_house(root, files)]
     if links is not None:
         found += check_links(root, links)
     return found

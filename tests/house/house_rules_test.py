@@ -113,6 +113,12 @@ class HouseRules(unittest.TestCase):
     def test_paths_of_one_machine_are_found(self):
         self.assert_found("a path of one machine", planted={"tools/x.cpp": 'auto f = "/ho' + 'me/me/x";\n'})
 
+    def test_types_of_one_name_are_found(self):
+        one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"
+        hidden = "namespace a::b {\nnamespace {\nstruct Fit {\n};\n}  // namespace\n}  // namespace a::b\n"
+        self.assert_found("sdk/y.cpp:2: a::b::Fit is also the name of a type in sdk/x.cpp",
+                          planted={"sdk/x.cpp": one, "sdk/y.cpp": one, "sdk/z.cpp": hidden})
+
     def test_long_sources_and_readmes_are_found(self):
         self.assert_found("split it", planted={"tools/x.cpp": "\n" * 601})
         self.assert_found("40 at most", planted={"tools/README.md": "\n" * 41})

@@ -36,7 +36,7 @@ struct Played {
 };
 
 /// A room with synthetic people at 160x120, 30 Hz; the first of them is said to be the user.
-Played play(std::vector<ActorScript> actors, double duration_s, const SynthOptions& wish = {}) {
+Played play(std::vector<ActorScript> actors, double duration_s, const SynthOptions& wish = {.furnished = false}) {
   static const auto forest = [] {
     auto loaded = Forest::load(installed_model());
     return loaded ? std::make_shared<const Forest>(std::move(*loaded)) : nullptr;
@@ -47,7 +47,6 @@ Played play(std::vector<ActorScript> actors, double duration_s, const SynthOptio
   synth.seed = 5;
   synth.width = 160;
   synth.height = 120;
-  synth.furnished = false;
   if (synth.distance_m == 0) synth.distance_m = 2.4;
   Script script;
   script.name = "scene";
@@ -76,6 +75,38 @@ TEST(EngagementScenes, WhoStandsStillForASecondSteers) {
   EXPECT_GE(played.first(Engaged), 0.9);
   EXPECT_LE(played.first(Engaged), 2.0);
   EXPECT_TRUE(played.said(TrackerEventKind::Engaged));
+}
+
+TEST(EngagementScenes, WhoMovesWhileHerRestPoseIsTakenWaitsAndStartsAnew) {
+  ActorScript restless;
+  restless.path = {{0, -0.3, 0, 0}, {0.6, -0.3, 0, 0}, {1.4, 0.3, 0, 0}};
+  const Played played = play({restless}, 4);
+  const double calibrating = played.first(Calibrating);
+  EXPECT_GE(calibrating, 0);
+  EXPECT_LE(calibrating, 0.6);
+  const double waiting = played.first(Waiting, calibrating);
+  EXPECT_GE(waiting, 0.6);
+  EXPECT_LE(waiting, 1.4);
+  EXPECT_GE(played.first(Calibrating, waiting), waiting);
+  EXPECT_GE(played.first(Engaged), 2.3) << "a second after she came to rest";
+  EXPECT_LE(played.first(Engaged), 3.6);
+}
+
+TEST(EngagementScenes, WhoStandsInTheSecondRowDoesNotSteer) {
+  ActorScript sideways, behind_her;
+  sideways.path = {{0, 0, 0, 1.5}};  // does not face the sensor, and does not steer either
+  behind_her.path = {{0, 0.3, -1, 0}};
+  const Played played = play({sideways, behind_her}, 3);
+  EXPECT_LT(played.first(Engaged), 0);
+}
+
+TEST(EngagementScenes, FurnitureDoesNotSteer) {
+  ActorScript nobody;
+  nobody.appears_s = 100;
+  const Played played = play({nobody}, 3, {.furnished = true});
+  EXPECT_FALSE(played.moments.empty());
+  EXPECT_LT(played.first(Calibrating), 0);
+  EXPECT_LT(played.first(Engaged), 0);
 }
 
 TEST(EngagementScenes, SomebodyWhoWalksThroughIsNotedAndDoesNotSteer) {

@@ -56,18 +56,11 @@ function(armature_module name)
   target_link_libraries(armature_${name} PUBLIC ${arg_PUBLIC} PRIVATE armature_warnings ${arg_PRIVATE})
 endfunction()
 
-# The environment of tests under sanitizers: what other people's libraries do is not for us to mend.
-set(ARMATURE_SANITIZER_OPTIONS
-  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.txt:die_after_fork=0"
-  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.txt")
-
 # armature_test(NAME SOURCES a.cpp... LIBS lib...)
-#   Declares the GoogleTest program NAME_test, one ctest entry a program. Tests run from the project's root.
+#   Declares the GoogleTest program NAME_test, one ctest entry a program. Tests run from the project's root. How long they
+#   may take, and what sanitizers overlook, is said once, by the test presets.
 function(armature_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 600)
-  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
   add_executable(${name}_test ${arg_SOURCES})
   set_target_properties(${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   target_include_directories(${name}_test PRIVATE "${PROJECT_SOURCE_DIR}")
@@ -75,11 +68,7 @@ function(armature_test name)
     ARMATURE_BINARY_DIR="${CMAKE_BINARY_DIR}" ARMATURE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name}_test PRIVATE ${arg_LIBS} GTest::gtest_main armature_warnings)
   add_test(NAME ${name} COMMAND ${name}_test)
-  set_tests_properties(${name} PROPERTIES WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" TIMEOUT ${arg_TIMEOUT}
-    SKIP_RETURN_CODE 77)
-  if(ARMATURE_SANITIZE)
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT "${ARMATURE_SANITIZER_OPTIONS}")
-  endif()
+  set_tests_properties(${name} PROPERTIES WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" SKIP_RETURN_CODE 77)
 endfunction()
 
 # armature_install_test(COMPONENT)
@@ -96,7 +85,6 @@ function(armature_install_test component)
       -P "${CMAKE_CURRENT_SOURCE_DIR}/install_test.cmake")
   add_test(NAME ${component}_headers
     COMMAND "${CMAKE_COMMAND}" --build "${PROJECT_BINARY_DIR}" --target armature_${component}_verify_interface_header_sets)
-  set_tests_properties(${component}_install ${component}_headers PROPERTIES TIMEOUT 600)
   # Two builds must not write to one build tree at the same time.
   set_tests_properties(${component}_headers PROPERTIES RESOURCE_LOCK build_tree)
 endfunction()

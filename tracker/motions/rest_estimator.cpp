@@ -162,14 +162,19 @@ void RestEstimator::observe(const Skeleton& skeleton, const Vector3f& up, std::c
   if (options_.mode == RestMode::Stillness) {
     if (rest_) return improve(up);
     const std::size_t count = samples_within(options_.stillness);
-    const bool still = stands_still(count);
     const auto span = recent(0).time - recent(count - 1).time;
     // Half a frame of tolerance: thirty frames at 30 Hz span 29 intervals.
     const auto frame = count > 1 ? span / static_cast<long>(count - 1) : std::chrono::nanoseconds(0);
-    progress_ = still ? std::min(1.0F, std::chrono::duration<float>(span + frame).count() /
-                                           std::chrono::duration<float>(options_.stillness).count())
-                      : 0;
-    if (still && seen_ > count && span + frame >= options_.stillness) adopt(count, up);
+    // How long she has stood still up to now, in eighths.
+    constexpr int kParts = 8;
+    progress_ = 0;
+    for (int part = kParts; part > 0 && progress_ == 0; --part) {
+      const std::size_t last = samples_within(options_.stillness * part / kParts);
+      if (!stands_still(last)) continue;
+      progress_ = std::min(1.0F, std::chrono::duration<float>(recent(0).time - recent(last - 1).time + frame).count() /
+                                     std::chrono::duration<float>(options_.stillness).count());
+    }
+    if (stands_still(count) && seen_ > count && span + frame >= options_.stillness) adopt(count, up);
     return;
   }
 

@@ -135,7 +135,7 @@ TEST(PatchReference, ReachesAMatchWhoseCentreIsLifted) {
   const Surface surface(mesh);
   const FaceGraph graph(surface);
   const PatchReference reference(graph, patch, *patch_ball(surface, patch));
-  Registration there;
+  PatchFit there;
   there.target_from_reference(0, 3) = 1;
   const auto match = reference.extent(graph, there);
   EXPECT_GT(table::overlap(mesh, match, faces_within(mesh, 0.2, {0.5, -0.5})), 0.85);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,6 +27,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMostKept = 90;  // frames for the background
 constexpr auto kPatience = 500ms;
 constexpr int kMostSilences = 20;  // before the first frame: 10 s
+constexpr double kUnevenDegrees = 5;
 
 void store_background(const std::string& file, std::span<const DepthFrame> frames, Findings& findings) {
   const StoredBackground background = median_of(frames);
@@ -33,6 +37,25 @@ void store_background(const std::string& file, std::span<const DepthFrame> frame
   findings.good("background",
                 fmt::format("{:.0f} % of the image are known; in the configuration: [segmentation] background = \"{}\"",
                             100 * static_cast<double>(known) / static_cast<double>(background.depth_mm.size()), file));
+}
+
+/// How far the Kinect that `source` names looks down, degrees, as its accelerometer feels it.
+std::optional<double> tilt_by_gravity(std::string_view source) {
+  constexpr std::string_view kKinect = "freenect:";
+  if (!source.starts_with(kKinect)) return std::nullopt;
+  source.remove_prefix(kKinect.size());
+  int number = 0;
+  std::from_chars(source.data(), source.data() + source.size(), number);
+  const auto motor = KinectMotor::open(number);
+  if (!motor) return std::nullopt;
+  const auto posture = (*motor)->posture();
+  if (!posture) return std::nullopt;
+  const auto& up = posture->up_m_s2;
+  return std::atan2(-up[2], -up[1]) * 180 / std::numbers::pi;
+}
+
+std::string looks(double degrees) {
+  return fmt::format("looks {} by {:.0f} degrees", degrees < 0 ? "up" : "down", std::abs(degrees));
 }
 
 }  // namespace
@@ -82,6 +105,8 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
         "somebody is in view, or a thing like a person: for commissioning nobody should be; what is in view is "
         "background from now on");
   if (!kept.empty()) store_background(options.background, kept, findings);
+  const std::optional<double> by_gravity = tilt_by_gravity(options.source);
+  if (by_gravity) findings.note("gravity", "by its accelerometer the sensor " + looks(*by_gravity));
   if (with_floor < std::max(1, frames / 2)) {
     return findings.bad("floor", fmt::format("seen in {} of {} frames", with_floor, frames),
                         "tilt the sensor down until the floor two metres before it is in view");
@@ -91,13 +116,16 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
   const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * degrees;
   const float roll = std::atan2(up.x(), -up.y()) * degrees;
   const std::string stands =
-      fmt::format("{:.2f} m above the floor, looks down by {:.0f} degrees, rolled by {:.0f}", floor.offset, tilt, roll);
+      fmt::format("{:.2f} m above the floor, {}, rolled by {:.0f}", floor.offset, looks(tilt), roll);
   if (std::abs(roll) > 5)
     findings.bad("stand", stands, "level it: roll should be within 5 degrees");
   else if (floor.offset < 0.4F || floor.offset > 2.6F || std::abs(tilt) > 40)
     findings.bad("stand", stands, "0.6 to 2.2 m high and tilted by at most 30 degrees see people best");
   else
     findings.good("stand", stands);
+  if (by_gravity && std::abs(*by_gravity - tilt) > kUnevenDegrees)
+    findings.bad("gravity", "what looks like the floor is not level: above it the sensor " + looks(tilt),
+                 "a ramp or a table is taken for the floor: clear it, or tilt the sensor until the floor is in view");
   // How far the floor is free: the nearest thing above it within a metre of the middle.
   const Intrinsics& k = frame.intrinsics;
   float free_to = 9;
@@ -131,13 +159,6 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
                 fmt::format("free to {:.1f} m; in the configuration: [engagement] near_m = 1.2, far_m = {:.1f}, "
                             "half_width_m = 0.8",
                             free_to, far));
-  if (const auto motor = KinectMotor::open(0)) {
-    if (const auto posture = (*motor)->posture()) {
-      const auto& g = posture->up_m_s2;
-      const double by_gravity = std::atan2(-g[2], -g[1]) * 180 / std::numbers::pi;
-      findings.note("gravity", fmt::format("the accelerometer says {:.0f} degrees down", by_gravity));
-    }
-  }
 }
 
 }  // namespace armature::tools

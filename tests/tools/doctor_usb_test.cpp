@@ -1,0 +1,116 @@
+// `armature doctor` and `armature devices` beside an emulated Kinect, as an operator calls them.
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware_host/control/video_nodes.h"
+#include "tests/firmware_host/emulated_usb.h"
+#include "tests/support/temporary_directory.h"
+
+namespace armature {
+namespace {
+
+using Lines = std::vector<nlohmann::json>;
+
+/// What `armature WORDS --json` prints, a line an object.
+Lines armature(const std::string& words) {
+  struct Close {
+    void operator()(std::FILE* pipe) const noexcept { ::pclose(pipe); }
+  };
+  const std::string command = ARMATURE_BINARY_DIR "/bin/armature " + words + " --json 2>/dev/null";
+  const std::unique_ptr<std::FILE, Close> pipe(::popen(command.c_str(), "r"));
+  std::string printed;
+  std::array<char, 4096> some{};
+  for (std::size_t got = 1; got > 0;) {
+    got = std::fread(some.data(), 1, some.size(), pipe.get());
+    printed.append(some.data(), got);
+  }
+  Lines lines;
+  std::istringstream text(printed);
+  for (std::string line; std::getline(text, line);) lines.push_back(nlohmann::json::parse(line));
+  return lines;
+}
+
+/// What is said of `what` in a finding of this kind that speaks of `about`; empty where there is none.
+std::string said(const Lines& findings, const std::string& kind, const std::string& what, const std::string& about) {
+  for (const auto& finding : findings) {
+    const std::string found = finding.at("found");
+    if (finding.at("kind") == kind && finding.at("what") == what && found.find(about) != std::string::npos)
+      return found;
+  }
+  return "";
+}
+
+class DoctorTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::emulation()) GTEST_SKIP() << "needs umockdev-wrapper (tools/setup installs umockdev)";
+  }
+  test::EmulatedBus bus_;
+  test::EmulatedKinect kinect_{bus_};
+};
+
+TEST_F(DoctorTest, SaysThatNoSensorIsPluggedIn) {
+  EXPECT_TRUE(armature("devices").empty());
+  EXPECT_NE(said(armature("doctor"), "problem", "sensor", "no depth sensor is plugged in"), "");
+}
+
+TEST_F(DoctorTest, FindsNothingWrongWithAKinectThatIsFree) {
+  kinect_.plug_in();
+  const Lines devices = armature("devices");
+  ASSERT_EQ(devices.size(), 1U);
+  EXPECT_EQ(devices.front().at("uri"), "freenect:0");
+  EXPECT_EQ(devices.front().at("serial"), "A00362912345678A");
+  const Lines findings = armature("doctor");
+  EXPECT_EQ(said(findings, "ok", "sensor", "Kinect v1"), "Kinect v1 on port 1-1 is free");
+  for (const char* what : {"usb", "permission", "bandwidth", "power", "sensor"})
+    EXPECT_EQ(said(findings, "problem", what, ""), "");
+}
+
+TEST_F(DoctorTest, SaysThatThePortIsTooSlow) {
+  kinect_.plug_in();
+  umockdev_testbed_set_attribute(bus_.testbed(), "/sys/devices/usb1/1-1", "speed", "12\n");
+  EXPECT_EQ(said(armature("doctor"), "problem", "bandwidth", ""), "Kinect v1 on port 1-1: 12 Mbit/s");
+}
+
+TEST_F(DoctorTest, SaysThatTheKinectsPowerSupplyIsMissing) {
+  kinect_.plug_in();
+  kinect_.unplug_power();
+  EXPECT_NE(said(armature("doctor"), "problem", "power", "the motor of a Kinect is there"), "");
+}
+
+TEST_F(DoctorTest, SaysHowTheSensorStandsThoughItSeesNoFloor) {
+  kinect_.plug_in();
+  const Lines findings = armature("doctor --site freenect:0 --seconds 0.5");
+  EXPECT_EQ(said(findings, "note", "gravity", ""), "by its accelerometer the sensor looks up by 14 degrees");
+  EXPECT_NE(said(findings, "problem", "floor", "seen in 0 of"), "");
+}
+
+TEST(Busy, AFileIsNamedByWhoHasItOpen) {
+  const test::TemporaryDirectory folder;
+  const std::string node = folder.path() / "node";
+  std::ofstream(node) << "somebody reads this";
+  EXPECT_TRUE(who_has_open(node).empty());
+  // Says when it has it open, and lets go when its input ends.
+  const auto close = [](std::FILE* pipe) { ::pclose(pipe); };
+  const std::unique_ptr<std::FILE, decltype(close)> reader(
+      ::popen(("exec 3< '" + node + "'; : > '" + node + ".open'; read line").c_str(), "w"), close);
+  while (!std::filesystem::exists(node + ".open")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto programs = who_has_open(node);
+  ASSERT_EQ(programs.size(), 1U);
+  EXPECT_EQ(programs.front().substr(0, 4), "sh (");
+}
+
+}  // namespace
+}  // namespace armature
