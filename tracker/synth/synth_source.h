@@ -26,7 +26,7 @@ struct SynthOptions {
   double noise = 1;       ///< strength; 0 = an ideal camera
   Outfit::Bag carry = Outfit::Bag::None;
   Side carry_side = Side::Right;
-  PersonWish wish;             ///< who the user is
+  PersonWish wish = {};        ///< who the user is
   bool furnished = true;       ///< the room
   double occluded = 0;         ///< share of the user that furniture before her hides, in [0, 0.6]
   bool occluded_below = true;  ///< by a counter, from below; otherwise by a pillar, from one side
