@@ -6,8 +6,8 @@
 #include <armature/sdk/distance/sphere_mesh_tree.h>
 #include <armature/sdk/mesh/measures.h>
 
-#include "sdk/deformation/blended_turns.h"
 #include "sdk/deformation/kept_volume.h"
+#include "sdk/deformation/skin_with_directions.h"
 
 namespace armature::sdk {
 

@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "sdk/deformation/blended_turns.h"
+#include "sdk/deformation/skin_with_directions.h"
 #include "sdk/mesh/four.h"
 
 namespace armature::sdk {
@@ -231,7 +231,7 @@ ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_
     const auto* const found = std::lower_bound(movers[m].vertices, last, VertexId(begin * kBlock));
     go_on(m, static_cast<std::size_t>(found - movers[m].vertices));
   }
-  Sums sums{};
+  Sums sums;
   double most = 0;
   std::vector<std::size_t> here;
   for (std::size_t first = begin * kBlock; first < end * kBlock; first += kBlock) {

@@ -119,7 +119,7 @@ void add_spheremesh_deform(CLI::App& spheremesh, Run& run) {
       ->check(CLI::IsMember(names_of(kBlends)))
       ->capture_default_str();
   command->add_flag("--free-volume", arguments->free_volume,
-                    "let moves that only turn change the volume of a closed mesh, as blending does");
+                    "let the volume of a closed mesh change where spheres only turn, as blending does");
   command
       ->add_option("--reach", arguments->reach,
                    "how far spheres blend into one another: weights fall by a factor e over so much of the diagonal")
