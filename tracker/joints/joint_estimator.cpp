@@ -76,6 +76,8 @@ struct JointEstimator::State {
   std::array<int, kJointCount> unseen{};  // frames since last observed
   Skeleton last;                          // before its correction
   bool has_last = false;
+  RestingBody resting;
+  bool keeps_build = false;
 
   void collect(const PartVotes& votes) noexcept;
   [[nodiscard]] VoteMode find_mode(std::size_t joint) const noexcept;
@@ -144,6 +146,12 @@ void JointEstimator::reset() noexcept {
   state_->last = {};
   state_->has_last = false;
   state_->unseen = {};
+  state_->resting = {};
+  state_->keeps_build = false;
+}
+
+void JointEstimator::keep_build(bool keep) noexcept {
+  state_->keeps_build = keep;
 }
 
 void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
@@ -192,7 +200,8 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   out.user_position = torso_centre(votes, out[JointId::Torso].position);
   s.last = out;
   s.has_last = true;
-  s.correction.apply(out);
+  if (!s.keeps_build) s.resting.add(out);
+  s.correction.apply(out, s.resting);
 }
 
 }  // namespace armature
