@@ -78,6 +78,29 @@ TEST(JointCorrection, MovesJointsAlongTheFrameAndSaysHowSureItIs) {
   EXPECT_NEAR(skeleton[JointId::Waist].confidence, 0.5, 0.01);  // 10 cm expected
 }
 
+TEST(JointCorrection, SomebodyAndHerMirrorImageAreCorrectedAlike) {
+  std::vector<float> bias(kCorrectionOutputs);
+  for (std::size_t i = 0; i < 3 * kJointCount; ++i) bias[i] = 0.001F * static_cast<float>(i % 17);
+  Skeleton skeleton = some_skeleton(), other = mirrored(some_skeleton());
+  JointCorrection(forest_with(bias)).apply(skeleton, resting());
+  JointCorrection(forest_with(bias)).apply(other, resting().mirrored());
+  const Skeleton back = mirrored(other);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_TRUE(back.joints[j].position.isApprox(skeleton.joints[j].position, 1e-5F)) << j;
+  }
+}
+
+TEST(RestingBody, IsAMeanInWhichWalkingAboutDoesNotShow) {
+  RestingBody standing, walking;
+  for (int i = 0; i < 20; ++i) {
+    standing.add(some_skeleton());
+    walking.add(turned(some_skeleton(), 0.02F * static_cast<float>(i)));
+  }
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_LT((walking.seen()[j] - standing.seen()[j]).norm(), 1e-4F) << j;
+  }
+}
+
 TEST(JointCorrection, ALostJointStaysLostWhereItWas) {
   std::vector<float> bias(kCorrectionOutputs, 0.05F);
   Skeleton skeleton = some_skeleton();
