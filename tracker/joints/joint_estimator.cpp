@@ -14,6 +14,8 @@ constexpr std::size_t kMaxVotes = 1024;  // a joint
 /// The area whose certain vote gives a confidence of one half.
 constexpr float kHalfArea_m2 = 0.0005F;
 constexpr int kSteps = 12;
+/// How much more votes a mode needs than the one that the joint was in.
+constexpr float kStay = 1.25F;
 constexpr float kTorsoRadius_m = 0.5F;
 
 /// The joint with which an unseen one is carried along.
@@ -131,7 +133,7 @@ VoteMode JointEstimator::State::find_mode(std::size_t joint) const noexcept {
   VoteMode best = cloud.mode_near(wide.position, radius, kSteps);
   if (has_last && last.joints[joint].state == JointState::Observed) {
     const VoteMode again = cloud.mode_near(last.joints[joint].position, radius, kSteps);
-    if (again.mass > best.mass) best = again;
+    if (kStay * again.mass > best.mass) best = again;
   }
   return best;
 }

@@ -108,12 +108,14 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_res
   if (wheels) raise_onto_footrests(posed);
   const double distance = random.uniform(options_.nearest_m, options_.farthest_m);
   const double x = distance * random.uniform(-0.28, 0.28);
+  bool alone = false;
   double heading = options_.turned_deg * kRadians *
                    (random.chance(0.5) ? 0.35 * std::clamp(random.normal(), -2.0, 2.0) : random.uniform(-1, 1));
   if (at_rest) {
     Random resting(scrambled(seed ^ 0x4E57ULL));
     posed = random_pose(person, posed.activity == Activity::Sit ? Activity::Sit : Activity::Stand, resting);
     heading = 0.15 * resting.normal();
+    alone = resting.chance(0.5);  // whoever hides her may come later
   }
 
   Intrinsics k = kinect_intrinsics(options_.width, options_.height);
@@ -139,7 +141,7 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_res
                              posed.seat_height, random.uniform(0.2, 0.27), back);
     room.furniture.insert(room.furniture.end(), boxes.begin(), boxes.end());
   }
-  if (random.chance(options_.occluded) && !at_rest) {
+  if (random.chance(options_.occluded)) {
     const Eigen::Matrix3d turned = turned_left(random.uniform(-0.5, 0.5));
     const double ahead = random.uniform(0.5, 0.9), aside = random.uniform(-0.5, 0.5);
     const RigidTransform before = placed * RigidTransform{turned, Vector3d(aside, 0, ahead)};
@@ -153,7 +155,7 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_res
 
   const PosedBody body = pose_body(person.shape, posed.pose);
   render_somebody(person, body, camera_from_body, 1);
-  if (random.chance(options_.company) && !at_rest) {
+  if (random.chance(options_.company) && !alone) {
     const Person other = random_person(random, options_.carries);
     const RigidTransform beside{placed.rotation.transpose(), Vector3d::Zero()};  // in the room's axes
     const RandomPose other_pose = random_pose(other, Activity::Stand, random);

@@ -129,6 +129,24 @@ TEST(JointEstimator, TheBuildFollowsUntilItIsKept) {
   EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);  // somebody else
 }
 
+TEST(JointEstimator, AJointStaysWhereItWasForAFewVotesMore) {
+  Leaf knee;
+  knee.votes[0].joint = static_cast<std::uint8_t>(index(JointId::LeftKnee));
+  Tree stump;
+  stump.leaves.resize(1);
+  JointEstimator estimator(std::make_shared<const Forest>(*Forest::create({stump}, "")));
+  const auto knee_of = [&](float here_m2, float there_m2) {
+    const std::array pixels = {ClassifiedPixel{.point = {0, 0.2F, 2}, .area_m2 = here_m2, .leaves = {&knee}},
+                               ClassifiedPixel{.point = {0.5F, 0.2F, 2}, .area_m2 = there_m2, .leaves = {&knee}}};
+    Skeleton skeleton;
+    estimator.estimate({pixels}, skeleton);
+    return skeleton[JointId::LeftKnee].position.x();
+  };
+  EXPECT_NEAR(knee_of(0.010F, 0.001F), 0, 0.01);
+  EXPECT_NEAR(knee_of(0.010F, 0.011F), 0, 0.01);
+  EXPECT_NEAR(knee_of(0.010F, 0.020F), 0.5F, 0.01);
+}
+
 TEST(JointEstimator, WithNobodyThereEveryJointIsLostWhereItWas) {
   PaperTracker tracker(qvga());
   const PaperDoll doll;
