@@ -156,6 +156,7 @@ Expected<void> build(const BuildOptions& options) {
                                     {"decimate_ms", number(took.decimate_ms)},
                                     {"refine_ms", number(refine_ms)},
                                     {"collapses", took.collapses},
+                                    {"compactness", number(took.compactness)},
                                     {"peak_mb", number(peak_memory_mb())}});
   }
   std::printf("%s\n", fmt::format("{}: {} spheres, {} wire edges, {} triangles", options.out, shape->spheres.size(),
