@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,11 +16,16 @@ namespace armature::sdk {
 /// What becomes of the volume of a closed mesh where turns blend.
 enum class Volume : std::uint8_t { Free, Kept };
 
+class KeptVolume;
+
 /// A level of spheres and the mesh that it moves.
 class SkinnedLevel {
  public:
   /// `mesh` as it lies while no sphere has moved, with the spheres where they then are.
   SkinnedLevel(SkinWeights weights, SphereMesh shape, Mesh mesh);
+  SkinnedLevel(SkinnedLevel&&) noexcept;
+  SkinnedLevel& operator=(SkinnedLevel&&) noexcept;
+  ~SkinnedLevel();
 
   [[nodiscard]] const SkinWeights& weights() const noexcept { return weights_; }  ///< of its spheres
   [[nodiscard]] const SphereMesh& shape() const noexcept { return shape_; }       ///< while nothing has moved
@@ -45,20 +50,13 @@ class SkinnedLevel {
 
  private:
   void find_outward(const WeightColumn& column);
-  void move_keeping_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
 
   SkinWeights weights_;
   SphereMesh shape_;
   Mesh mesh_;
   std::vector<Eigen::Vector3d> outward_;  // by vertex: where it goes when its sphere swells by 1; empty or found
   std::vector<bool> found_;
-  std::optional<bool> closed_;  // once a volume was to be kept, as the rest
-  struct AtRest {
-    std::vector<Eigen::Vector3d> outward;  // by vertex, as long as spheres are wide
-    double six_volumes;
-  };
-  std::optional<AtRest> at_rest_;
-  std::vector<Eigen::Vector3d> directions_;  // of the last move that kept it: kept for its room
+  std::unique_ptr<KeptVolume> kept_;  // once a volume was to be kept
 };
 
 }  // namespace armature::sdk
