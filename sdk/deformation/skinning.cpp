@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/deformation/skinning.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -359,6 +360,13 @@ double skin(Job job, const SkinWeights& weights, std::span<const SphereMotion> m
 }
 
 }  // namespace
+
+bool only_turn(std::span<const SphereMotion> motions) {
+  Eigen::AlignedBox3d box;
+  for (const SphereMotion& motion : motions) box.extend(motion.before.centre);
+  const double length = box.isEmpty() ? 0 : box.diagonal().norm();
+  return std::ranges::all_of(motions, [&](const SphereMotion& motion) { return motion.only_turns(length); });
+}
 
 void skin(const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend,
           std::span<const Vector3d> rest, std::span<Vector3d> out) {

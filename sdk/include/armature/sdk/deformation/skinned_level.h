@@ -14,7 +14,11 @@
 namespace armature::sdk {
 
 /// What becomes of the volume of a closed mesh where turns blend.
-enum class Volume : std::uint8_t { Free, Kept };
+enum class Volume : std::uint8_t {
+  Free,
+  KeptByTurns,  ///< kept where spheres only turn
+  Kept,         ///< kept unless radii swell: for motions that are several turns, one after the other
+};
 
 class KeptVolume;
 
@@ -35,10 +39,10 @@ class SkinnedLevel {
   /// by what they swell, less where it lies further in: a tube becomes thicker, not longer. Then comes `skin()`. The
   /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
   ///
-  /// With `Volume::Kept` and dual quaternions, a closed mesh has the volume afterwards that it had, as far as that
+  /// With dual quaternions and a volume to keep, a closed mesh has the volume afterwards that it had, as far as that
   /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most half of the
-  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. So where every sphere turns
-  /// about some axis, wherever that is, or stays; what shifts, screws, stretches or swells means to change the volume.
+  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. `Volume::KeptByTurns` does
+  /// so where spheres `only_turn()`; what shifts, screws, stretches or swells means to change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
             Volume volume = Volume::Free);
 
