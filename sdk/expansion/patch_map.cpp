@@ -98,8 +98,7 @@ Context spread(std::span<const float> bins) {
     const float* const before = across.data() + (row > 0 ? row - 1 : row) * kWidth;
     const float* const here = across.data() + row * kWidth;
     const float* const after = across.data() + (row + 1 < kHeight ? row + 1 : row) * kWidth;
-    for (std::size_t i = 0; i < kWidth; ++i)
-      result[row * kWidth + i] = 0.5F * here[i] + 0.25F * (before[i] + after[i]);
+    for (std::size_t i = 0; i < kWidth; ++i) result[row * kWidth + i] = 0.5F * here[i] + 0.25F * (before[i] + after[i]);
   }
   return result;
 }
@@ -243,7 +242,8 @@ Expected<std::vector<float>> PatchContexts::similarity_to(std::span<const float>
   const Context wanted = spread(context);
   const bool done = state_->for_each_point(state_->vertices, 1, task, [&](std::size_t at, const PointColumns& nearby) {
     const bool on_a_face = points.area[at] > 0;
-    similarity[order[at]] = on_a_face ? static_cast<float>(1 - chi_square(spread(state_->context(at, nearby)), wanted)) : 0;
+    similarity[order[at]] =
+        on_a_face ? static_cast<float>(1 - chi_square(spread(state_->context(at, nearby)), wanted)) : 0;
   });
   if (!done) return cancelled();
   return similarity;
