@@ -119,10 +119,8 @@ TEST(Deform, BendsAStraightCylinderWithoutLosingVolume) {
                             .rotate = {0, 0, turn},
                             .about = Vector3d(x, 0, 0)});
           }
-          const auto kept = deform(tube.mesh, tube.hierarchy, level, bend);
-          EXPECT_NEAR(tubes::volume(*kept) / before, 1, 1e-9) << around << ' ' << level << ' ' << angle << ' ' << part;
-          const auto plain = deform(tube.mesh, tube.hierarchy, level, bend, {.keep_volume = false});
-          EXPECT_NEAR(tubes::volume(*plain) / before, 1, 0.02) << around << ' ' << level << ' ' << angle << ' ' << part;
+          const auto bent = deform(tube.mesh, tube.hierarchy, level, bend);
+          EXPECT_NEAR(tubes::volume(*bent) / before, 1, 1e-9) << around << ' ' << level << ' ' << angle << ' ' << part;
         }
     }
   }
@@ -151,20 +149,16 @@ TEST(Deform, KeepsTheVolumeWhereASharpBendWouldNot) {
 }
 
 TEST(Deform, KeepsTheVolumeOfSeveralTurnsOneAfterTheOther) {
-  // A shoulder and an elbow, and there and back about another point: neither leaves a turn about one axis.
+  // A shoulder and an elbow: beyond both, no turn about one axis is left.
   const Shape tube(tubes::tube(8, 1, 0, 48, 160));
   const double before = tubes::volume(tube.mesh);
-  const std::vector shoulder_and_elbow{
-      hinge(tube, 10, -1, 1),
-      SphereMove{.spheres = hinge(tube, 10, 1.5, 0).spheres, .rotate = {0.3, 0.9, 0}, .about = Vector3d(1.5, 0, 0)}};
-  std::vector there_and_back{hinge(tube, 10, -1, 0.8), hinge(tube, 10, 1, -0.8)};
-  there_and_back[1].spheres = there_and_back[0].spheres;
-  for (const auto& moves : {shoulder_and_elbow, there_and_back}) {
-    const auto plain = deform(tube.mesh, tube.hierarchy, 10, moves, {.keep_volume = false});
-    const auto kept = deform(tube.mesh, tube.hierarchy, 10, moves);
-    EXPECT_GT(std::abs(tubes::volume(*plain) / before - 1), 1e-5);
-    EXPECT_NEAR(tubes::volume(*kept) / before, 1, 1e-9);
-  }
+  const SphereMove elbow{
+      .spheres = hinge(tube, 10, 1.5, 0).spheres, .rotate = {0.3, 0.9, 0}, .about = Vector3d(1.5, 0, 0)};
+  const std::vector moves{hinge(tube, 10, -1, 1), elbow};
+  const auto plain = deform(tube.mesh, tube.hierarchy, 10, moves, {.keep_volume = false});
+  const auto kept = deform(tube.mesh, tube.hierarchy, 10, moves);
+  EXPECT_GT(std::abs(tubes::volume(*plain) / before - 1), 1e-5);
+  EXPECT_NEAR(tubes::volume(*kept) / before, 1, 1e-9);
 }
 
 TEST(Deform, APullWithAMinuteTurnStaysAPull) {
