@@ -33,7 +33,8 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 DOCUMENT_LINK = re.compile(r"\]\(([^)\s]+)\)")
 UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
 NAMESPACE = re.compile(r"^(?:namespace ([\w:]*) ?\{|\}  // namespace)")
-TYPE = re.compile(r"^(?:struct|class|enum class|union) (\w+)(?: final)?(?: :[^:].*)? \{")
+TYPE = re.compile(r"^(?:struct|class|enum(?: class| struct)?|union) (?:(?:alignas\([^)]*\)|\[\[[^\]]*\]\]) )*"
+                  r"(\w+)(?: final)?(?: :(?!:)[^;{]*)?(?: \{|$)")  # a list of bases may go on in the next line
 MACHINE_PATH = re.compile(r"(?<![\w.}])/(?:wo" r"rk|ro" r"ot|ho" r"me)/\w")
 
 
