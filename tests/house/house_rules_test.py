@@ -113,6 +113,9 @@ class HouseRules(unittest.TestCase):
     def test_paths_of_one_machine_are_found(self):
         self.assert_found("a path of one machine", planted={"tools/x.cpp": 'auto f = "/ho' + 'me/me/x";\n'})
 
+    def test_views_that_clang_rejects_are_found(self):
+        self.assert_found("sdk/x.cpp:1: a view", planted={"sdk/x.cpp": "v.erase(std::ranges::unique(v).begin());\n"})
+
     def test_types_of_one_name_are_found(self):
         one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"
         hidden = "namespace a::b {\nnamespace {\nstruct Fit {\n};\n}  // namespace\n}  // namespace a::b\n"
