@@ -131,7 +131,8 @@ std::atomic<int> under_way = 0;
 bool leaves_descriptors(const Descriptor& newest) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return true;
-  return static_cast<rlim_t>(newest.get() + under_way) < limit.rlim_cur - limit.rlim_cur / 8;
+  const int in_use = newest.get() + under_way;
+  return static_cast<rlim_t>(in_use) < limit.rlim_cur - limit.rlim_cur / 8;
 }
 
 bool would_block() {
