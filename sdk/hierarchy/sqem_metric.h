@@ -19,7 +19,7 @@ class SqemMetric {
   struct Options {
     std::span<const double> weights;  ///< the importance by vertex, or empty: 1
     double regularise;                ///< eps
-    double compactness;               ///< how many times apart() is added to the rank
+    double compactness;               ///< what Ward's distance of the two regions adds to the rank
     bool by_increase;                 ///< rank by what a collapse adds to the error, not by the error of the union
     double radius_per_width;          ///< bounds a radius by so many times the region's smallest extent
   };
