@@ -16,8 +16,8 @@ namespace armature::sdk {
 
 /// Four numbers side by side.
 using Four = double __attribute__((vector_size(32)));
-/// The same wherever they are in memory.
-using FourAnywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+/// The same wherever they are in memory. (Written behind the `=`, clang forgets the alignment of what is const.)
+using FourAnywhere [[gnu::aligned(8), gnu::may_alias]] = Four;
 
 /// Half as precise.
 using FourFloats = float __attribute__((vector_size(16)));
