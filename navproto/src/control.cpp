@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 
 #include <armature/navproto/codec.h>
@@ -8,6 +7,7 @@
 #include <armature/navproto/endpoints.h>
 #include <unistd.h>
 
+#include "navproto/src/entrance.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
 #include "navproto/src/wire.h"
@@ -16,48 +16,31 @@ namespace armature::navproto {
 
 namespace {
 
-/// So many requests in a row and no more: whoever floods us does not keep the caller.
-constexpr int kMostAtATime = 16;
+/// So many requests of a socket in a row and no more: whoever floods us does not keep the caller.
+constexpr int kMostAtATime = 8;
 
-/// Who sent a part over ipc, by the kernel's word: libzmq gives "HOST:UID:GID:PID" as the peer's address.
-std::optional<std::uint32_t> sender_uid(Part& part) {
-  const char* address = zmq_msg_gets(part.get(), "Peer-Address");
-  if (address == nullptr) return std::nullopt;
-  std::string_view text(address);
-  for (int field = 0; field < 2; ++field) text = text.substr(0, text.rfind(':'));
-  text.remove_prefix(text.rfind(':') + 1);
-  std::uint32_t uid = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), uid);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return uid;
-}
+/// Requests that wait for us, and replies for their client, a client.
+constexpr int kQueue = 4;
 
 }  // namespace
 
 struct ControlServer::Impl {
-  ControlServerOptions options;
-  bool local = true;  // ipc: the other end has a uid
+  Entrance entrance{kOfClients};  // first, so that it outlives the context
   std::uint64_t refused = 0;
-  EndpointLock lock;
   ContextHandle context = make_context();
-  Socket socket{context.get(), ZMQ_ROUTER};
+  // Of those who may only ask, and of those who may change something: a peer's user says to which it is let in.
+  std::array<Socket, 2> sockets{Socket(context.get(), ZMQ_ROUTER), Socket(context.get(), ZMQ_ROUTER)};
   Encoder encoder;
   Part peer;
   Part payload;
 
-  [[nodiscard]] bool may_change() {
-    if (!local) return true;  // tcp was allowed expressly
-    const auto uid = sender_uid(payload);
-    return uid && (*uid == 0 || *uid == ::geteuid() || std::ranges::count(options.allowed_uids, *uid) > 0);
-  }
-
-  [[nodiscard]] ControlReply answer(const Handler& handler) {
+  [[nodiscard]] ControlReply answer(const Handler& handler, bool may_change) {
     const auto request = decode<ControlRequest>(payload.bytes());
     ControlReply reply;
     if (!request) {
       ++refused;
       reply.error = request.error().message;
-    } else if (request->kind != RequestKind::Status && !may_change()) {
+    } else if (request->kind != RequestKind::Status && !may_change) {
       ++refused;
       reply.id = request->id;
       reply.error = "refused: only root, the daemon's own user and those in control.uids may change anything";
@@ -78,7 +61,7 @@ struct ControlServer::Impl {
   }
 
   /// A request is the peer's identity and one part; whatever else a peer sends is read and forgotten.
-  [[nodiscard]] bool receive_request(bool& is_request) {
+  [[nodiscard]] bool receive_request(Socket& socket, bool& is_request) {
     if (!socket.receive(peer)) return false;
     is_request = peer.more() && socket.receive(payload) && !payload.more();
     Part rest;
@@ -95,12 +78,13 @@ Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlSe
     return fail("control " + endpoints->control + ": only ipc:// unless tcp is allowed expressly");
   }
   auto impl = std::make_unique<Impl>();
-  impl->local = endpoints->control.starts_with("ipc:");
-  impl->options = std::move(options);
-  impl->socket.set(ZMQ_LINGER, 250);
-  auto lock = bind_exclusively(impl->socket, endpoints->control);
-  if (!lock) return tl::unexpected(lock.error());
-  impl->lock = *std::move(lock);
+  for (Socket& socket : impl->sockets) socket.set(ZMQ_LINGER, 250).set(ZMQ_RCVHWM, kQueue).set(ZMQ_SNDHWM, kQueue);
+  const auto may_change = [allowed = std::move(options.allowed_uids)](std::optional<uid_t> uid) -> std::size_t {
+    if (!uid) return 1;  // tcp was allowed expressly
+    return *uid == 0 || *uid == ::geteuid() || std::ranges::count(allowed, *uid) > 0 ? 1 : 0;
+  };
+  auto bound = impl->entrance.open(endpoints->control, std::array{&impl->sockets[0], &impl->sockets[1]}, may_change);
+  if (!bound) return tl::unexpected(bound.error());
   return ControlServer(std::move(impl));
 }
 
@@ -110,18 +94,21 @@ ControlServer::ControlServer(ControlServer&&) noexcept = default;
 ControlServer& ControlServer::operator=(ControlServer&&) noexcept = default;
 
 int ControlServer::serve(const Handler& handler, std::chrono::milliseconds timeout) {
+  auto& [asking, changing] = impl_->sockets;
   if (timeout.count() > 0) {
-    std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
+    std::array<zmq_pollitem_t, 2> items{{{asking.get(), 0, ZMQ_POLLIN, 0}, {changing.get(), 0, ZMQ_POLLIN, 0}}};
     if (!poll(items, timeout)) return 0;
   }
   int answered = 0;
-  bool is_request = false;
-  for (int taken = 0; taken < kMostAtATime && impl_->receive_request(is_request); ++taken) {
-    if (!is_request) continue;
-    const ControlReply reply = impl_->answer(handler);
-    impl_->socket.send(impl_->peer.bytes(), ZMQ_SNDMORE);
-    impl_->socket.send(impl_->encoder.encode(reply));
-    ++answered;
+  for (Socket* socket : {&changing, &asking}) {
+    bool is_request = false;
+    for (int taken = 0; taken < kMostAtATime && impl_->receive_request(*socket, is_request); ++taken) {
+      if (!is_request) continue;
+      const ControlReply reply = impl_->answer(handler, socket == &changing);
+      socket->send(impl_->peer.bytes(), ZMQ_SNDMORE);
+      socket->send(impl_->encoder.encode(reply));
+      ++answered;
+    }
   }
   return answered;
 }

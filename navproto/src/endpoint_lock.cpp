@@ -95,7 +95,7 @@ Expected<EndpointLock> EndpointLock::take(const std::string& endpoint) {
 EndpointLock::~EndpointLock() {
   if (descriptor_ < 0) return;
   if (!path_.empty()) {
-    // ZeroMQ leaves the socket's file behind. It is ours to remove while the lock is held, and before it goes.
+    // The socket's file is left behind. It is ours to remove while the lock is held, and before it goes.
     ::unlink(path_.c_str());
     ::unlink((path_ + kSuffix).c_str());
   }

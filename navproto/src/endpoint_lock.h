@@ -7,9 +7,9 @@
 
 namespace armature::navproto {
 
-/// The right to bind an ipc endpoint. ZeroMQ's bind unlinks whatever file stands at the path, a live peer's socket
-/// included; so a lock file beside it (`PATH.lock`, flock) says who is alive. The kernel drops the lock with its
-/// process: what a killed publisher leaves is in nobody's way. Gone, it takes the socket's file and its own along.
+/// The right to bind an ipc endpoint. The file at the path of a socket outlives it, and whoever takes one away may take
+/// a live program's; so a lock file beside it (`PATH.lock`, flock) says who is alive. The kernel drops the lock with
+/// its process: what a killed publisher leaves is in nobody's way. Gone, it takes the socket's file and its own along.
 /// Other transports need no lock and get an empty one.
 class EndpointLock {
  public:

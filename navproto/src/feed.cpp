@@ -6,6 +6,7 @@
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/feed.h>
 
+#include "navproto/src/entrance.h"
 #include "navproto/src/gatekeeper.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
@@ -19,8 +20,8 @@ constexpr int kFeedQueue = 2;
 }  // namespace
 
 struct FeedPublisher::Impl {
+  Entrance entrance{kOfSubscribers};  // first, so that it outlives the context
   PublisherOptions options;
-  EndpointLock lock;
   ContextHandle context = make_context();
   std::unique_ptr<Gatekeeper> gatekeeper;
   Socket socket{context.get(), ZMQ_XPUB};
@@ -62,9 +63,7 @@ Expected<FeedPublisher> FeedPublisher::bind(std::string_view endpoint, Publisher
       return fail("nobody can check who connects: no socket is left; let the process have more open files");
     impl->gatekeeper->guard(impl->socket);
   }
-  auto lock = bind_exclusively(impl->socket, endpoints->feed);
-  if (!lock) return tl::unexpected(lock.error());
-  impl->lock = *std::move(lock);
+  if (auto bound = impl->entrance.open(endpoints->feed, impl->socket); !bound) return tl::unexpected(bound.error());
   return FeedPublisher(std::move(impl));
 }
 

@@ -7,6 +7,7 @@
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/publisher.h>
 
+#include "navproto/src/entrance.h"
 #include "navproto/src/gatekeeper.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
@@ -32,7 +33,9 @@ class Outlet {
   }
 
   void guard(const Gatekeeper& gatekeeper) { gatekeeper.guard(socket_); }
-  [[nodiscard]] Expected<EndpointLock> bind(const std::string& endpoint) { return bind_exclusively(socket_, endpoint); }
+  [[nodiscard]] Expected<void> bind(Entrance& entrance, const std::string& endpoint) {
+    return entrance.open(endpoint, socket_);
+  }
 
   /// Sends `part` and keeps it in `kept`, whose buffer it reuses.
   bool send(std::span<const std::byte> part, Bytes& kept) {
@@ -71,7 +74,7 @@ class Outlet {
 
 struct Publisher::Impl {
   PublisherOptions options;
-  std::array<EndpointLock, 3> locks;  // first, so that they outlive the context
+  Entrance entrance{kOfSubscribers};  // first, so that it outlives the context
   ContextHandle context = make_context();
   std::unique_ptr<Gatekeeper> gatekeeper;
   Outlet navigation{context.get(), kMotionQueue};
@@ -138,10 +141,8 @@ Expected<Publisher> Publisher::bind(std::string_view endpoint, PublisherOptions 
       return fail("nobody can check who connects: no socket is left; let the process have more open files");
     for (const auto& [outlet, where] : bindings) outlet->guard(*impl->gatekeeper);
   }
-  for (std::size_t i = 0; i < bindings.size(); ++i) {
-    auto lock = bindings[i].first->bind(*bindings[i].second);
-    if (!lock) return tl::unexpected(lock.error());
-    impl->locks[i] = *std::move(lock);
+  for (const auto& [outlet, where] : bindings) {
+    if (auto bound = outlet->bind(impl->entrance, *where); !bound) return tl::unexpected(bound.error());
   }
   return Publisher(std::move(impl));
 }

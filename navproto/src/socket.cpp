@@ -2,10 +2,7 @@
 
 #include <cerrno>
 
-#include <sys/stat.h>
-
 namespace armature::navproto {
-namespace {
 
 tl::unexpected<Error> refuse(const std::string& endpoint, int error) {
   switch (error) {
@@ -17,28 +14,14 @@ tl::unexpected<Error> refuse(const std::string& endpoint, int error) {
   }
 }
 
-}  // namespace
-
-Expected<EndpointLock> bind_exclusively(Socket& socket, const std::string& endpoint) {
-  auto lock = EndpointLock::take(endpoint);
-  if (!lock) return lock;
-  keep_alive(socket, endpoint);
-  if (zmq_bind(socket.get(), endpoint.c_str()) != 0) return refuse(endpoint, zmq_errno());
-  // Its owner and its group may connect, nobody else. (Of an abstract name there is no file.)
-  constexpr std::string_view kIpc = "ipc://";
-  if (endpoint.starts_with(kIpc)) ::chmod(endpoint.c_str() + kIpc.size(), 0660);
-  return lock;
-}
-
 Expected<void> connect(Socket& socket, const std::string& endpoint) {
-  keep_alive(socket, endpoint);
+  // The kernel's way, by which a subscriber says nothing: ZeroMQ's heartbeats would use up what it may say.
+  if (endpoint.starts_with("tcp:")) {
+    socket.set(ZMQ_TCP_KEEPALIVE, 1).set(ZMQ_TCP_KEEPALIVE_IDLE, 1).set(ZMQ_TCP_KEEPALIVE_INTVL, 1);
+    socket.set(ZMQ_TCP_KEEPALIVE_CNT, 3).set(ZMQ_TCP_MAXRT, 3000);
+  }
   if (zmq_connect(socket.get(), endpoint.c_str()) != 0) return refuse(endpoint, zmq_errno());
   return {};
-}
-
-void keep_alive(Socket& socket, const std::string& endpoint) {
-  if (!endpoint.starts_with("tcp:")) return;
-  socket.set(ZMQ_HEARTBEAT_IVL, 1000).set(ZMQ_HEARTBEAT_TIMEOUT, 3000).set(ZMQ_HEARTBEAT_TTL, 3000);
 }
 
 ContextHandle make_context() {

@@ -11,8 +11,6 @@
 #include <armature/navproto/error.h>
 #include <zmq.h>
 
-#include "navproto/src/endpoint_lock.h"
-
 // ZeroMQ behind types that own what they open. Private: nothing installed includes this.
 
 namespace armature::navproto {
@@ -45,7 +43,8 @@ class Part {
 };
 
 /// A socket that never waits by itself: send and receive report at once what they could do. A peer that announces a
-/// message of more than kMaxMessageBytes, or what set_max_bytes() says, is sent away before memory is taken for it.
+/// part of more than kMaxMessageBytes, or what set_max_bytes() says, is sent away before memory is taken for it. How
+/// many parts a message has ZeroMQ does not bound: whoever lets peers in does (Entrance).
 class Socket {
  public:
   Socket() = default;
@@ -77,14 +76,11 @@ class Socket {
   std::unique_ptr<void, CloseSocket> handle_;
 };
 
-/// Binds to an endpoint nobody else is bound to and holds the lock that says so. The lock must outlive the socket's
-/// context, which closes the listener in its own time.
-[[nodiscard]] Expected<EndpointLock> bind_exclusively(Socket& socket, const std::string& endpoint);
-
+/// Connects, whether or not somebody is there yet. Dead TCP peers are found in seconds.
 [[nodiscard]] Expected<void> connect(Socket& socket, const std::string& endpoint);
 
-/// Finds dead TCP peers in seconds; local ones need no such thing.
-void keep_alive(Socket& socket, const std::string& endpoint);
+/// Why an endpoint cannot be had, by errno.
+[[nodiscard]] tl::unexpected<Error> refuse(const std::string& endpoint, int error);
 
 [[nodiscard]] ContextHandle make_context();
 

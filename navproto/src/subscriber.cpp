@@ -8,12 +8,11 @@
 #include <armature/navproto/codec.h>
 #include <armature/navproto/endpoints.h>
 #include <armature/navproto/subscriber.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include "navproto/src/freshness.h"
 #include "navproto/src/gatekeeper.h"
 #include "navproto/src/socket.h"
+#include "navproto/src/wake.h"
 
 namespace armature::navproto {
 namespace {
@@ -23,23 +22,6 @@ constexpr std::size_t kMaxQueuedEvents = 1024;
 std::string_view prefix(Topic topic) {
   return kTopicPrefixes[static_cast<std::size_t>(topic)];
 }
-
-/// Wakes a thread that waits in poll().
-class Wake {
- public:
-  Wake() : descriptor_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
-  ~Wake() { ::close(descriptor_); }
-  Wake(const Wake&) = delete;
-  Wake& operator=(const Wake&) = delete;
-  void wake() const noexcept {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof one);
-  }
-  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-
- private:
-  int descriptor_;
-};
 
 }  // namespace
 

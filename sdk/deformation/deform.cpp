@@ -44,9 +44,16 @@ Expected<Mesh> deform(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t 
   if (task.stopped()) return cancelled();
   auto motions = at_rest(shape->spheres);
   for (const SphereMove& move : moves) move_spheres(move, motions);
+  // Of turns about several axes, one after the other, none may be left.
+  const bool turns = std::ranges::all_of(moves, [&](const SphereMove& move) {
+    auto alone = at_rest(shape->spheres);
+    move_spheres(move, alone);
+    return only_turn(alone);
+  });
+  const Volume volume = !options.keep_volume ? Volume::Free : turns ? Volume::Kept : Volume::KeptByTurns;
   SkinnedLevel level(std::move(weights), std::move(*shape), mesh);
   Mesh deformed = mesh;
-  level.move(motions, options.blend, deformed.positions, options.keep_volume ? Volume::Kept : Volume::Free);
+  level.move(motions, options.blend, deformed.positions, volume);
   for (std::size_t v = 0; v < deformed.positions.size(); ++v)
     if (!in_range(deformed.positions[v]))
       return fail("the moves take vertex " + std::to_string(v) + " out of range; use smaller numbers");

@@ -2,18 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/mesh/measures.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "sdk/deformation/skin_with_directions.h"
 #include "sdk/mesh/four.h"
 
 namespace armature::sdk {
@@ -23,7 +27,8 @@ using Eigen::Vector3d;
 
 constexpr double kMostOfRadius = 0.5;  // that the surface moves
 constexpr int kRounds = 8;             // of Newton's method
-constexpr std::size_t kGrain = 4096;   // triangles that are summed in order, or vertices
+constexpr std::size_t kGrain = 4096;   // quads that are summed in order, or vertices
+constexpr std::size_t kAhead = 20;     // quads
 
 /// SplitMix64's finaliser: edges become numbers that no few of them add up to zero by chance.
 std::uint64_t mixed(std::uint64_t x) {
@@ -32,31 +37,83 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-/// A sum over all triangles.
-template <class Sum, class F>
-Sum sum_over(const Mesh& mesh, const F& f) {
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), Sum{},
-      [&](const auto& range, Sum sum) {
-        for (std::size_t t = range.begin(); t != range.end(); ++t) sum += f(mesh.triangles[t]);
-        return sum;
-      },
-      std::plus{});
+/// Each edge is walked as often one way as the other.
+bool is_closed(const Mesh& mesh) {
+  std::uint64_t border = 0;
+  for (const Triangle& corners : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = corners[k].index();
+      const std::uint64_t b = corners[(k + 1) % 3].index();
+      const std::uint64_t edge = mixed(mixed(std::min(a, b) + 1) + std::max(a, b));
+      border += a < b ? edge : a > b ? -edge : 0;
+    }
+  return border == 0;
 }
 
-/// From where volumes are measured: near the mesh, or digits would cancel.
-Vector3d apex_of(const Mesh& mesh, std::span<const Vector3d> x) {
-  return mesh.triangles.empty() ? Vector3d(Vector3d::Zero()) : x[mesh.triangles[0][0].index()];
+/// The triangles of a mesh in twos, as far as that goes: two that walk a side either way. Those that come after one
+/// another have corners near one another, if the mesh's vertices have. Without those that name a vertex twice.
+std::vector<Quad> quads_of(const Mesh& mesh) {
+  const Adjacency adjacency(mesh);
+  std::vector<bool> taken(mesh.triangles.size(), false);
+  std::vector<Quad> quads;
+  quads.reserve(mesh.triangles.size() / 2);
+  const auto number = [](VertexId v) { return static_cast<std::uint32_t>(v.index()); };
+  // One that walks the side from corner k to the next one the other way.
+  const auto partner = [&](FaceId face, std::size_t k) -> std::optional<Quad> {
+    const Triangle& corners = mesh.triangle(face);
+    const VertexId c = corners[k], a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
+    for (const FaceId other : adjacency.faces(adjacency.edges(face)[k])) {
+      if (taken[other.index()]) continue;
+      const Triangle& theirs = mesh.triangle(other);
+      for (std::size_t j = 0; j < 3; ++j)
+        if (theirs[j] == a && theirs[(j + 1) % 3] == c) {
+          taken[other.index()] = true;
+          return Quad{number(a), number(b), number(c), number(theirs[(j + 2) % 3])};
+        }
+    }
+    return std::nullopt;
+  };
+  for (std::size_t t = 0; t < taken.size(); ++t) {
+    if (taken[t] || repeats_a_vertex(mesh.triangles[t])) continue;
+    taken[t] = true;
+    std::optional<Quad> quad;
+    for (std::size_t k = 0; k < 3 && !quad; ++k) quad = partner(FaceId(t), k);
+    const Triangle& alone = mesh.triangles[t];
+    quads.push_back(quad.value_or(Quad{number(alone[0]), number(alone[1]), number(alone[2]), number(alone[0])}));
+  }
+  std::ranges::stable_sort(quads, {}, [](const Quad& quad) { return std::ranges::min(quad); });
+  return quads;
 }
 
-std::array<Vector3d, 3> seen_from(const Vector3d& apex, std::span<const Vector3d> x, const Triangle& corners) {
-  return {x[corners[0].index()] - apex, x[corners[1].index()] - apex, x[corners[2].index()] - apex};
+/// Six times the volume that the quads of a closed mesh enclose with their corners there.
+double six_volumes(std::span<const Quad> quads, std::span<const Vector3d> positions) {
+  // Near the mesh, or digits would cancel.
+  const Vector3d apex = quads.empty() ? Vector3d(Vector3d::Zero()) : positions[quads[0][0]];
+  double sum = 0;
+  for (const auto& [a, b, c, d] : quads)
+    sum += (positions[b] - positions[d]).dot((positions[c] - apex).cross(positions[a] - apex));
+  return sum;
 }
 
-/// One corner of four triangles.
-ARMATURE_INLINE FourVectors gathered(const Vector3d* x, const Triangle* triangles, std::size_t corner) {
-  const auto at = [&](std::size_t t) -> const Vector3d& { return x[triangles[t][corner].index()]; };
-  return four_vectors(at(0), at(1), at(2), at(3));
+/// [V], in fours: the normals of a mesh, each as long as the radius of the spheres there, in the mean.
+std::vector<FourDirections> outward_by_radius(const Mesh& mesh, const SkinWeights& weights,
+                                              std::span<const Sphere> spheres) {
+  std::vector<double> radii(mesh.positions.size());
+  for (std::size_t s = 0; s < spheres.size(); ++s) {
+    const WeightColumn& column = *weights.columns[s];
+    for (std::size_t i = 0; i < column.vertices.size(); ++i)
+      radii[column.vertices[i].index()] += static_cast<double>(column.weights[i]) * spheres[s].radius;
+  }
+  const std::vector<Vector3d> normals = vertex_normals(mesh);
+  std::vector<FourDirections> outward((normals.size() + 3) / 4);
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const Eigen::Vector3f direction = (radii[v] / weights.totals[v] * normals[v]).cast<float>();
+    FourDirections& four = outward[v / 4];
+    four.x[v % 4] = direction.x();
+    four.y[v % 4] = direction.y();
+    four.z[v % 4] = direction.z();
+  }
+  return outward;
 }
 
 /// Six volumes of x + t d are a cubic in t: its coefficients.
@@ -68,100 +125,100 @@ struct Cubic : std::array<double, 4> {
   }
 };
 
-/// What four triangles of a closed mesh add: of the normals n at x and m of the same triangles at d, twice their areas
-/// long, volumes are a.n, their gradient n, and so in d.
-ARMATURE_INLINE void add_four(const Triangle* triangles, const Vector3d* x, const FourVectors& apex, const Vector3d* d,
+/// What four quads of a closed mesh add. Six volumes below a b c and a c d are e.n with e = b - d and n = c x a, seen
+/// from the apex: products of three vectors that are linear in t.
+ARMATURE_INLINE void add_four(const Quad* quads, const FourVectors& apex, const DirectedVertex* vertices,
                               std::array<Four, 4>& sums) {
-  const FourVectors a = gathered(x, triangles, 0) - apex, b = gathered(x, triangles, 1) - apex,
-                    c = gathered(x, triangles, 2) - apex;
-  const FourVectors n = cross(b - a, c - a);
-  add_dot(a, n, sums[0]);
-  const FourVectors p = gathered(d, triangles, 0), q = gathered(d, triangles, 1), r = gathered(d, triangles, 2);
-  const FourVectors m = cross(q - p, r - p);
-  add_dot(n, p + q + r, sums[1]);
-  add_dot(m, a + b + c, sums[2]);
-  add_dot(p, m, sums[3]);
+  const auto corner = [&](std::size_t k) __attribute__((always_inline)) {
+    return FourDirectedVertices::of(vertices[quads[0][k]], vertices[quads[1][k]], vertices[quads[2][k]],
+                                    vertices[quads[3][k]]);
+  };
+  const auto [b, b1] = corner(1);
+  const auto [d, d1] = corner(3);
+  const FourVectors e = b - d, e1 = b1 - d1;
+  const auto [from_a, a1] = corner(0);
+  const auto [from_c, c1] = corner(2);
+  const FourVectors a = from_a - apex, c = from_c - apex;
+  const FourVectors n = cross(c, a), n1 = cross(c, a1) + cross(c1, a), n2 = cross(c1, a1);
+  add_dot(e, n, sums[0]);
+  add_dot(e1, n, sums[1]);
+  add_dot(e, n1, sums[1]);
+  add_dot(e1, n1, sums[2]);
+  add_dot(e, n2, sums[2]);
+  add_dot(e1, n2, sums[3]);
 }
 
-ARMATURE_LANES Cubic cubic_of(std::span<const Triangle> triangles, const Vector3d* x, const Vector3d& apex,
-                              const Vector3d* d) {
+ARMATURE_LANES Cubic cubic_of(std::span<const Quad> quads, const Vector3d& apex, const DirectedVertex* vertices) {
   const FourVectors from = four_vectors(apex, apex, apex, apex);
   std::array<Four, 4> sums{};
-  const std::size_t fours = triangles.size() / 4 * 4;
-  for (std::size_t t = 0; t < fours; t += 4) add_four(&triangles[t], x, from, d, sums);
-  if (fours < triangles.size()) {
-    // The rest, and triangles without area.
-    const VertexId corner = triangles[fours][0];
-    std::array<Triangle, 4> rest;
-    rest.fill({corner, corner, corner});
-    std::ranges::copy(triangles.subspan(fours), rest.begin());
-    add_four(rest.data(), x, from, d, sums);
+  const std::size_t fours = quads.size() / 4 * 4;
+  for (std::size_t q = 0; q < fours; q += 4) {
+    // Corners lie here and there in more than fits near the processor: some quads ahead they are asked for.
+    if (q + kAhead < fours)
+      for (std::size_t k = q + kAhead; k < q + kAhead + 4; ++k)
+        for (const std::uint32_t corner : quads[k]) __builtin_prefetch(&vertices[corner]);
+    add_four(&quads[q], from, vertices, sums);
+  }
+  if (fours < quads.size()) {
+    // The rest, and quads without area.
+    const std::uint32_t corner = quads[fours][0];
+    std::array<Quad, 4> rest;
+    rest.fill({corner, corner, corner, corner});
+    std::ranges::copy(quads.subspan(fours), rest.begin());
+    add_four(rest.data(), from, vertices, sums);
   }
   Cubic cubic;
   for (std::size_t k = 0; k < 4; ++k) cubic[k] = sums[k][0] + sums[k][1] + sums[k][2] + sums[k][3];
   return cubic;
 }
 
-}  // namespace
-
-bool is_closed(const Mesh& mesh) {
-  return sum_over<std::uint64_t>(mesh, [](const Triangle& corners) {
-           std::uint64_t border = 0;
-           for (std::size_t k = 0; k < 3; ++k) {
-             const std::uint64_t a = corners[k].index();
-             const std::uint64_t b = corners[(k + 1) % 3].index();
-             const std::uint64_t edge = mixed(mixed(std::min(a, b) + 1) + std::max(a, b));
-             border += a < b ? edge : a > b ? -edge : 0;
-           }
-           return border;
-         }) == 0;
+ARMATURE_LANES void move_along(double t, const DirectedVertex* vertices, std::size_t count, Vector3d* out) {
+  for (std::size_t v = 0; v < count; ++v)
+    for (std::size_t k = 0; k < 3; ++k)
+      out[v][static_cast<Eigen::Index>(k)] =
+          vertices[v].position[k] + t * static_cast<double>(vertices[v].direction[k]);
 }
 
-double six_volumes(const Mesh& mesh, std::span<const Vector3d> x) {
-  const Vector3d apex = apex_of(mesh, x);
-  return sum_over<double>(mesh, [&](const Triangle& corners) -> double {
-    const auto [a, b, c] = seen_from(apex, x, corners);
-    return a.dot(b.cross(c));
+}  // namespace
+
+KeptVolume::KeptVolume(const Mesh& mesh) {
+  if (is_closed(mesh)) quads_ = quads_of(mesh);
+}
+
+void KeptVolume::set_rest(const Mesh& mesh, const SkinWeights& weights, std::span<const Sphere> spheres) {
+  outward_ = outward_by_radius(mesh, weights, spheres);
+  six_volumes_ = six_volumes(quads_, mesh.positions);
+}
+
+void KeptVolume::move(const SkinWeights& weights, std::span<const SphereMotion> motions, std::span<const Vector3d> rest,
+                      std::span<Vector3d> out) {
+  assert(has_rest() && out.size() == rest.size());
+  moved_.resize(rest.size());
+  const double t = share_of_directions(skin_with_directions(weights, motions, rest, outward_, moved_));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), kGrain), [&](const auto& range) {
+    // What nothing disagrees about keeps its bits.
+    move_along(t, &moved_[range.begin()], range.size(), &out[range.begin()]);
   });
 }
 
-std::vector<Vector3d> outward_by_radius(const Mesh& mesh, const SkinWeights& weights, std::span<const Sphere> spheres) {
-  std::vector<double> radii(mesh.positions.size());
-  for (std::size_t s = 0; s < spheres.size(); ++s) {
-    const WeightColumn& column = *weights.columns[s];
-    for (std::size_t i = 0; i < column.vertices.size(); ++i)
-      radii[column.vertices[i].index()] += static_cast<double>(column.weights[i]) * spheres[s].radius;
-  }
-  std::vector<Vector3d> outward = vertex_normals(mesh);
-  for (std::size_t v = 0; v < outward.size(); ++v) outward[v] *= radii[v] / weights.totals[v];
-  return outward;
-}
-
-void keep_volume(const Mesh& mesh, std::span<const Vector3d> directions, double most_of_radius, double wanted,
-                 std::span<Vector3d> positions) {
-  if (!(most_of_radius > 0)) return;
-  const Vector3d apex = apex_of(mesh, positions);
-  const std::span<const Triangle> triangles = mesh.triangles;
+double KeptVolume::share_of_directions(double most_of_radius) const {
+  if (!(most_of_radius > 0)) return 0;
+  const Vector3d apex(moved_[quads_[0][0]].position.data());
   const Cubic f = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, triangles.size(), kGrain), Cubic{},
+      tbb::blocked_range<std::size_t>(0, quads_.size(), kGrain), Cubic{},
       [&](const auto& range, const Cubic& sum) {
-        return sum +
-               cubic_of(triangles.subspan(range.begin(), range.size()), positions.data(), apex, directions.data());
+        return sum + cubic_of(std::span(quads_).subspan(range.begin(), range.size()), apex, moved_.data());
       },
       std::plus{});
   const double most = kMostOfRadius / most_of_radius;
-  const auto excess = [&](double t) { return f[0] + t * (f[1] + t * (f[2] + t * f[3])) - wanted; };
+  const auto excess = [&](double t) { return f[0] + t * (f[1] + t * (f[2] + t * f[3])) - six_volumes_; };
   double t = 0;
   for (int round = 0; round < kRounds; ++round) {
     const double slope = f[1] + t * (2 * f[2] + t * 3 * f[3]);
     if (!(slope > 0)) break;  // the surface has folded over
     t = std::clamp(t - excess(t) / slope, -most, most);
   }
-  if (!(std::abs(excess(t)) < std::abs(excess(0)))) return;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), kGrain), [&](const auto& range) {
-    // What nothing disagrees about keeps its bits.
-    for (std::size_t v = range.begin(); v != range.end(); ++v) positions[v] += t * directions[v];
-  });
+  return std::abs(excess(t)) < std::abs(excess(0)) ? t : 0;
 }
 
 }  // namespace armature::sdk

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -8,25 +10,44 @@
 #include <armature/sdk/deformation/sphere_weights.h>
 #include <armature/sdk/mesh/mesh.h>
 
+#include "sdk/deformation/directed_vertex.h"
+
 namespace armature::sdk {
 
-/// Whether a mesh has no border: each edge is walked as often one way as the other, so that its triangles enclose a
-/// volume wherever the origin is.
-[[nodiscard]] bool is_closed(const Mesh& mesh);
-/// Six times the volume that the triangles of a closed mesh enclose with their corners there. The same bits on any
-/// number of threads.
-[[nodiscard]] double six_volumes(const Mesh& mesh, std::span<const Eigen::Vector3d> positions);
+/// Two triangles, a b c and a c d, by the numbers of their corners: their volumes are summed in half the time. One
+/// alone is a b c a.
+using Quad = std::array<std::uint32_t, 4>;
 
-/// [V]: the normals of a mesh, each as long as the radius of the spheres there, in the mean.
-[[nodiscard]] std::vector<Eigen::Vector3d> outward_by_radius(const Mesh& mesh, const SkinWeights& weights,
-                                                             std::span<const Sphere> spheres);
+/// Gives a closed mesh the volume back that blended turns give or take (after von Funck, Theisel, Seidel 2008): where
+/// turns disagree, the surface moves outward or inward, more where they disagree more and where spheres are larger, by
+/// at most half of their radius; what turns as a whole stays.
+class KeptVolume {
+ public:
+  /// Of a mesh with these triangles.
+  explicit KeptVolume(const Mesh& mesh);
 
-/// Gives a closed mesh the volume back that blended turns have given or taken (after von Funck, Theisel, Seidel 2008):
-/// where turns disagree, the surface moves outward or inward, more where they disagree more and where spheres are
-/// larger, by at most half of their radius; what turns as a whole stays. `wanted` is the six_volumes() of the mesh at
-/// rest; `positions` and `directions` are what skin_with_directions() has made of it and of its outward_by_radius(),
-/// `most_of_radius` what it has returned. The same bits on any number of threads.
-void keep_volume(const Mesh& mesh, std::span<const Eigen::Vector3d> directions, double most_of_radius, double wanted,
-                 std::span<Eigen::Vector3d> positions);
+  /// Whether there is a volume: each edge is walked as often one way as the other, so that the triangles enclose one
+  /// wherever the origin is.
+  [[nodiscard]] bool closed() const noexcept { return !quads_.empty(); }
+
+  /// Where the mesh and the spheres lie, and what these weigh, while nothing has moved.
+  void set_rest(const Mesh& mesh, const SkinWeights& weights, std::span<const Sphere> spheres);
+  [[nodiscard]] bool has_rest() const noexcept { return !outward_.empty(); }
+  void forget_rest() noexcept { outward_.clear(); }
+
+  /// skin() by dual quaternions, and the volume. `rest` and `weights` are those of set_rest(); nothing is stretched.
+  /// The same bits on any number of threads.
+  void move(const SkinWeights& weights, std::span<const SphereMotion> motions, std::span<const Eigen::Vector3d> rest,
+            std::span<Eigen::Vector3d> out);
+
+ private:
+  /// By how many directions vertices are to move, of which the longest is so much of the spheres' radius.
+  [[nodiscard]] double share_of_directions(double most_of_radius) const;
+
+  std::vector<Quad> quads_;              // none where there is a border
+  std::vector<FourDirections> outward_;  // by four vertices: their normals, as long as the spheres there are wide
+  double six_volumes_ = 0;               // at rest
+  std::vector<DirectedVertex> moved_;    // before the volume is given back: kept for its room
+};
 
 }  // namespace armature::sdk

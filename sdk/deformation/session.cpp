@@ -135,7 +135,7 @@ Expected<void> DeformationSession::preview(const SphereMove& move, const MoveOpt
   auto motions = at_rest(level_.shape().spheres);
   move_spheres(in_model(move, options.frame), motions, held_);
   const bool keep = options_.keep_volume && options.surface_rings == 0;
-  level_.move(motions, options_.blend, positions_, keep ? Volume::Kept : Volume::Free);
+  level_.move(motions, options_.blend, positions_, keep ? Volume::KeptByTurns : Volume::Free);
   if (options.surface_rings > 0)
     if (const auto moved = move_surface(move, motions, options.surface_rings); !moved) {
       cancel();

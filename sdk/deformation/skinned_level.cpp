@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cassert>
+#include <memory>
 #include <utility>
 
 #include <armature/sdk/deformation/skinned_level.h>
@@ -7,7 +8,6 @@
 #include <armature/sdk/mesh/measures.h>
 
 #include "sdk/deformation/kept_volume.h"
-#include "sdk/deformation/skin_with_directions.h"
 
 namespace armature::sdk {
 
@@ -18,11 +18,15 @@ SkinnedLevel::SkinnedLevel(SkinWeights weights, SphereMesh shape, Mesh mesh)
   assert(weights_.columns.size() == shape_.spheres.size() && weights_.totals.size() == mesh_.positions.size());
 }
 
+SkinnedLevel::SkinnedLevel(SkinnedLevel&&) noexcept = default;
+SkinnedLevel& SkinnedLevel::operator=(SkinnedLevel&&) noexcept = default;
+SkinnedLevel::~SkinnedLevel() = default;
+
 void SkinnedLevel::set_level(SkinWeights weights, SphereMesh shape) {
   weights_ = std::move(weights);
   shape_ = std::move(shape);
   outward_.clear();
-  at_rest_.reset();
+  if (kept_) kept_->forget_rest();
 }
 
 void SkinnedLevel::set_rest(std::vector<Vector3d>& positions, std::vector<Sphere> spheres) {
@@ -30,7 +34,7 @@ void SkinnedLevel::set_rest(std::vector<Vector3d>& positions, std::vector<Sphere
   mesh_.positions.swap(positions);
   shape_.spheres = std::move(spheres);
   outward_.clear();
-  at_rest_.reset();
+  if (kept_) kept_->forget_rest();
 }
 
 void SkinnedLevel::find_outward(const WeightColumn& column) {
@@ -51,23 +55,17 @@ void SkinnedLevel::find_outward(const WeightColumn& column) {
   }
 }
 
-void SkinnedLevel::move_keeping_volume(std::span<const SphereMotion> motions, std::span<Vector3d> out) {
-  if (!at_rest_)
-    at_rest_ = AtRest{outward_by_radius(mesh_, weights_, shape_.spheres), six_volumes(mesh_, mesh_.positions)};
-  directions_.resize(out.size());
-  const double most = skin_with_directions(weights_, motions, mesh_.positions, out, at_rest_->outward, directions_);
-  keep_volume(mesh_, directions_, most, at_rest_->six_volumes, out);
-}
-
 void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, Volume volume) {
   if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; })) {
-    const bool keeps = volume == Volume::Kept && blend == Blend::DualQuaternions &&
-                       std::ranges::all_of(motions, &SphereMotion::only_turns);
-    if (keeps && !closed_) closed_ = is_closed(mesh_);
-    if (keeps && *closed_)
-      move_keeping_volume(motions, out);
-    else
+    const bool keeps = blend == Blend::DualQuaternions &&
+                       (volume == Volume::Kept || (volume == Volume::KeptByTurns && only_turn(motions)));
+    if (keeps && !kept_) kept_ = std::make_unique<KeptVolume>(mesh_);
+    if (keeps && kept_->closed()) {
+      if (!kept_->has_rest()) kept_->set_rest(mesh_, weights_, shape_.spheres);
+      kept_->move(weights_, motions, mesh_.positions, out);
+    } else {
       skin(weights_, motions, blend, mesh_.positions, out);
+    }
     return;
   }
   std::ranges::copy(mesh_.positions, out.begin());

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/deformation/skinning.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -26,15 +27,18 @@ using Channels = std::array<double, kChannels>;
 constexpr double kAgree = 1e-9;
 /// So many vertices are worked on at a time: their sums stay in the cache next to the processor.
 constexpr std::size_t kBlock = 256;
-/// By vertex of a block.
-using Sums = std::array<Channels, kBlock>;
 
-enum class Way : std::uint8_t { DualQuaternions, DualQuaternionsAndStretches, Linear };
+enum class Way : std::uint8_t { DualQuaternions, DualQuaternionsAndDirections, DualQuaternionsAndStretches, Linear };
 
-/// Channels that are not zero throughout.
+/// The channels that are not zero throughout: the first ones.
 constexpr std::size_t channels_of(Way way) {
-  return way == Way::DualQuaternions ? 8 : kChannels;
+  return way == Way::DualQuaternions || way == Way::DualQuaternionsAndDirections ? 8 : kChannels;
 }
+template <Way way>
+using Sum = std::array<double, channels_of(way)>;
+/// By vertex of a block.
+template <Way way>
+struct alignas(64) Sums : std::array<Sum<way>, kBlock> {};
 
 Channels dual_quaternion(const SphereMotion& motion) {
   Quaterniond turn = motion.turn.normalized();
@@ -80,10 +84,10 @@ struct Job {
   bool signs_agree = true;  // no two turns lie more than 180 degrees apart as quaternions
   std::span<const double> totals;
   std::span<const Vector3d> rest;
-  std::span<Vector3d> out;
-  // Or empty:
-  std::span<const Vector3d> outward = {};
-  std::span<Vector3d> directions = {};
+  std::span<Vector3d> out = {};
+  // Instead of `out` where directions are asked for:
+  std::span<const FourDirections> outward = {};
+  std::span<DirectedVertex> directed = {};
 };
 
 /// Calls f(i, v) for each entry of a sphere that lies in the block; returns where the next block begins.
@@ -95,28 +99,36 @@ ARMATURE_INLINE std::size_t for_each_entry(const Mover& mover, std::size_t from,
 }
 
 template <Way way>
-ARMATURE_INLINE void add(const Channels& channels, double weight, Channels& sum) {
-  for (std::size_t k = 0; k < channels_of(way); ++k) sum[k] += weight * channels[k];
+ARMATURE_INLINE void add(const Channels& channels, double weight, Sum<way>& sum) {
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weight * channels[k];
 }
 
 /// Turns that lie far apart: the sign of each quaternion is chosen vertex by vertex, to agree with what has been added
 /// up. `sum` is whole, not less the motion that changes nothing.
-ARMATURE_INLINE void add_agreeing(const Channels& channels, double weight, Channels& sum) {
+template <Way way>
+ARMATURE_INLINE void add_agreeing(const Channels& channels, double weight, Sum<way>& sum) {
   Channels whole = channels;
   whole[3] += 1;
   const double agreement = sum[0] * whole[0] + sum[1] * whole[1] + sum[2] * whole[2] + sum[3] * whole[3];
   const double sign = agreement < 0 ? -1 : 1;
   for (std::size_t k = 0; k < 8; ++k) sum[k] += sign * weight * whole[k];
-  for (std::size_t k = 8; k < kChannels; ++k) sum[k] += weight * whole[k];
+  for (std::size_t k = 8; k < sum.size(); ++k) sum[k] += weight * whole[k];
 }
 
-/// Channels [first, first + 4) of four vertices.
-ARMATURE_INLINE std::array<Four, 4> lanes(const Channels* sums, std::size_t first) {
-  std::array<Four, 4> rows;
-  for (std::size_t v = 0; v < 4; ++v) std::memcpy(&rows[v], sums[v].data() + first, sizeof(Four));
-  transpose(rows[0], rows[1], rows[2], rows[3]);
-  return rows;
-}
+/// Four channels of four vertices.
+struct FourSums {
+  Four a, b, c, d;
+
+  /// The channels [first, first + 4).
+  template <class Sum>
+  ARMATURE_INLINE FourSums(const Sum* sums, std::size_t first)
+      : a(reinterpret_cast<const FourAnywhere&>(sums[0][first])),
+        b(reinterpret_cast<const FourAnywhere&>(sums[1][first])),
+        c(reinterpret_cast<const FourAnywhere&>(sums[2][first])),
+        d(reinterpret_cast<const FourAnywhere&>(sums[3][first])) {
+    transpose(a, b, c, d);
+  }
+};
 
 ARMATURE_INLINE FourVectors four_of(const Vector3d* v) {
   return four_vectors(v[0], v[1], v[2], v[3]);
@@ -125,97 +137,125 @@ ARMATURE_INLINE void store(const FourVectors& four, Vector3d* v) {
   for (int k = 0; k < 4; ++k) v[k] = {four.x[k], four.y[k], four.z[k]};
 }
 
-/// Turns four vectors by blended turns, and shortens them to how much these disagree.
-ARMATURE_INLINE void direct_four(const Channels* sums, const double* totals, const Vector3d* outward,
-                                 Vector3d* directions, Four& most) {
-  Four all;
-  std::memcpy(&all, totals, sizeof all);
-  const auto [bx, by, bz, less] = lanes(sums, 0);
-  const Four bw = all + less;
-  const Four squared = bx * bx + by * by + bz * bz + bw * bw;
-  const Four differ = 1 - squared / (all * all);
-  const Four disagree = differ > kAgree ? differ : differ * 0;
-  const FourVectors b{bx, by, bz};
-  const FourVectors v = four_of(outward);
-  const Four twice = 2 / squared;
-  store(disagree * (v + twice * cross(b, cross(b, v) + bw * v)), directions);
-  most = disagree > most ? disagree : most;
+/// What the turns of four vertices are blended to, of any length.
+struct BlendedTurns {
+  FourVectors b;
+  Four bw;
+  Four squared;  // length
+
+  template <class Sum>
+  ARMATURE_INLINE BlendedTurns(const Sum* sums, const Four& all) {
+    const auto [x, y, z, less] = FourSums(sums, 0);
+    b = {x, y, z};
+    bw = all + less;
+    squared = x * x + y * y + z * z + bw * bw;
+  }
+  /// What is added to vectors that are turned, and then shifted by dual parts, if any.
+  ARMATURE_INLINE FourVectors change(const FourVectors& v) const {
+    return 2 / squared * cross(b, cross(b, v) + bw * v);
+  }
+  ARMATURE_INLINE FourVectors change(const FourVectors& v, const FourVectors& e, const Four& ew) const {
+    return 2 / squared * (cross(b, cross(b, v) + bw * v + e) + bw * e - ew * b);
+  }
+};
+
+template <class Sum>
+ARMATURE_INLINE FourVectors moved_by_dual_quaternions(const BlendedTurns& turns, const Sum* sums,
+                                                      const FourVectors& v) {
+  const auto [ex, ey, ez, ew] = FourSums(sums, 4);
+  return v + turns.change(v, {ex, ey, ez}, ew);
+}
+
+template <class Sum>
+ARMATURE_INLINE FourVectors stretched(const Sum* sums, const Four& all, const FourVectors& v) {
+  const auto [x, y, z, grow] = FourSums(sums, 8);
+  return v + 1 / all * (FourVectors{x, y, z} + grow * v);
+}
+
+template <class Sum>
+ARMATURE_INLINE FourVectors moved_linearly(const Sum* sums, const Four& all, const FourVectors& v) {
+  const auto [xx, yx, zx, xy] = FourSums(sums, 0);
+  const auto [yy, zy, xz, yz] = FourSums(sums, 4);
+  const auto [zz, tx, ty, tz] = FourSums(sums, 8);
+  const FourVectors less{xx * v.x + xy * v.y + xz * v.z + tx, yx * v.x + yy * v.y + yz * v.z + ty,
+                         zx * v.x + zy * v.y + zz * v.z + tz};
+  return v + 1 / all * less;
 }
 
 /// Moves four vertices.
 template <Way way>
-ARMATURE_INLINE void move_four(const Channels* sums, const double* totals, const Vector3d* rest, Vector3d* out) {
+ARMATURE_INLINE void move_four(const Sum<way>* sums, const double* totals, const Vector3d* rest, Vector3d* out) {
   Four all;
   std::memcpy(&all, totals, sizeof all);
-  auto [x, y, z] = four_of(rest);
+  FourVectors v = four_of(rest);
   if constexpr (way == Way::Linear) {
-    const Four part = 1 / all;
-    const auto [xx, yx, zx, xy] = lanes(sums, 0);
-    const auto [yy, zy, xz, yz] = lanes(sums, 4);
-    const auto [zz, tx, ty, tz] = lanes(sums, 8);
-    const Four px = x, py = y, pz = z;
-    x += part * (xx * px + xy * py + xz * pz + tx);
-    y += part * (yx * px + yy * py + yz * pz + ty);
-    z += part * (zx * px + zy * py + zz * pz + tz);
+    v = moved_linearly(sums, all, v);
   } else {
-    if constexpr (way == Way::DualQuaternionsAndStretches) {
-      const Four part = 1 / all;
-      const auto [sx, sy, sz, grow] = lanes(sums, 8);
-      x += part * (sx + grow * x);
-      y += part * (sy + grow * y);
-      z += part * (sz + grow * z);
-    }
-    const auto [bx, by, bz, less] = lanes(sums, 0);
-    const auto [ex, ey, ez, ew] = lanes(sums, 4);
-    const Four bw = all + less;
-    const Four twice = 2 / (bx * bx + by * by + bz * bz + bw * bw);
-    const Four cx = by * z - bz * y + bw * x;
-    const Four cy = bz * x - bx * z + bw * y;
-    const Four cz = bx * y - by * x + bw * z;
-    x += twice * (by * cz - bz * cy + bw * ex - ew * bx + by * ez - bz * ey);
-    y += twice * (bz * cx - bx * cz + bw * ey - ew * by + bz * ex - bx * ez);
-    z += twice * (bx * cy - by * cx + bw * ez - ew * bz + bx * ey - by * ex);
+    if constexpr (way == Way::DualQuaternionsAndStretches) v = stretched(sums, all, v);
+    v = moved_by_dual_quaternions(BlendedTurns(sums, all), sums, v);
   }
-  store({x, y, z}, out);
+  store(v, out);
 }
 
-/// Calls f(sums, totals, in, out) for each four vertices of a block.
-template <class F>
-ARMATURE_INLINE void for_each_four(const Job& job, std::size_t first, const Sums& sums, std::span<const Vector3d> in,
-                                   std::span<Vector3d> out, const F& f) {
-  const std::size_t count = std::min(kBlock, in.size() - first);
-  const std::size_t fours = count / 4 * 4;
-  for (std::size_t v = 0; v < fours; v += 4) f(&sums[v], &job.totals[first + v], &in[first + v], &out[first + v]);
-  if (fours == count) return;
-  std::array<double, 4> totals{1, 1, 1, 1};
-  std::array<Vector3d, 4> x;
-  x.fill(Vector3d::Zero());
-  std::copy_n(&job.totals[first + fours], count - fours, totals.begin());
-  std::copy_n(&in[first + fours], count - fours, x.begin());
-  f(&sums[fours], totals.data(), x.data(), x.data());
-  std::copy_n(x.begin(), count - fours, &out[first + fours]);
+/// The same, and turns their directions, shortened to how much the turns disagree.
+ARMATURE_INLINE void direct_four(const Sum<Way::DualQuaternionsAndDirections>* sums, const double* totals,
+                                 const Vector3d* rest, const FourDirections& outward, DirectedVertex* directed,
+                                 Four& most) {
+  Four all;
+  std::memcpy(&all, totals, sizeof all);
+  const BlendedTurns turns(sums, all);
+  const FourVectors positions = moved_by_dual_quaternions(turns, sums, four_of(rest));
+  const Four differ = 1 - turns.squared / (all * all);
+  const Four disagree = differ > kAgree ? differ : differ * 0;
+  most = disagree > most ? disagree : most;
+  const FourVectors v = outward.vectors();
+  FourDirectedVertices{positions, disagree * (v + turns.change(v))}.store(directed);
 }
 
-/// Moves the vertices of a block; the most by which turns disagree, if that is asked for.
+/// Moves the vertices of a block; the most by which turns disagree, where directions are asked for.
 template <Way way>
-ARMATURE_INLINE double move(const Job& job, std::size_t first, const Sums& sums) {
+ARMATURE_INLINE double move_block(const Job& job, std::size_t first, const Sums<way>& sums) {
+  constexpr bool kDirects = way == Way::DualQuaternionsAndDirections;
   Four most{};
-  if (way != Way::Linear && !job.directions.empty()) {
-    const auto direct = [&](const Channels* sum, const double* totals, const Vector3d* in, Vector3d* out)
-        __attribute__((always_inline)) {
-      direct_four(sum, totals, in, out, most);
-    };
-    for_each_four(job, first, sums, job.outward, job.directions, direct);
+  const std::size_t end = std::min(first + kBlock, job.rest.size());
+  const std::size_t fours = end / 4 * 4;
+  for (std::size_t v = first; v < fours; v += 4) {
+    if constexpr (kDirects)
+      direct_four(&sums[v - first], &job.totals[v], &job.rest[v], job.outward[v / 4], &job.directed[v], most);
+    else
+      move_four<way>(&sums[v - first], &job.totals[v], &job.rest[v], &job.out[v]);
   }
-  const auto moving =
-      [](const Channels* sum, const double* totals, const Vector3d* in, Vector3d* out) __attribute__((always_inline)) {
-    move_four<way>(sum, totals, in, out);
-  };
-  for_each_four(job, first, sums, job.rest, job.out, moving);
+  if (fours < end) {
+    std::array<double, 4> totals{1, 1, 1, 1};
+    std::array<Vector3d, 4> x;
+    x.fill(Vector3d::Zero());
+    std::copy(&job.totals[fours], job.totals.data() + end, totals.begin());
+    std::copy(&job.rest[fours], job.rest.data() + end, x.begin());
+    if constexpr (kDirects) {
+      std::array<DirectedVertex, 4> directed;
+      direct_four(&sums[fours - first], totals.data(), x.data(), job.outward[fours / 4], directed.data(), most);
+      std::copy_n(directed.begin(), end - fours, &job.directed[fours]);
+    } else {
+      move_four<way>(&sums[fours - first], totals.data(), x.data(), x.data());
+      std::copy_n(x.begin(), end - fours, &job.out[fours]);
+    }
+  }
   return std::max({most[0], most[1], most[2], most[3]});
 }
 
-/// The most by which turns disagree, if that is asked for.
+/// What no sphere reaches stays.
+template <Way way>
+ARMATURE_INLINE void leave_block(const Job& job, std::size_t first) {
+  const std::size_t end = std::min(first + kBlock, job.rest.size());
+  if constexpr (way == Way::DualQuaternionsAndDirections) {
+    for (std::size_t v = first; v < end; ++v)
+      job.directed[v] = {{job.rest[v].x(), job.rest[v].y(), job.rest[v].z()}, {}};
+  } else if (job.rest.data() != job.out.data()) {
+    std::copy(&job.rest[first], job.rest.data() + end, &job.out[first]);
+  }
+}
+
+/// The most by which turns disagree, where directions are asked for.
 template <Way way>
 ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_t end) {
   const auto& movers = job.movers;
@@ -231,7 +271,7 @@ ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_
     const auto* const found = std::lower_bound(movers[m].vertices, last, VertexId(begin * kBlock));
     go_on(m, static_cast<std::size_t>(found - movers[m].vertices));
   }
-  Sums sums;
+  Sums<way> sums;
   double most = 0;
   std::vector<std::size_t> here;
   for (std::size_t first = begin * kBlock; first < end * kBlock; first += kBlock) {
@@ -240,12 +280,10 @@ ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_
       if (next[m] < first + kBlock) here.push_back(m);
     const std::size_t count = std::min(kBlock, job.rest.size() - first);
     if (here.empty()) {
-      if (job.rest.data() != job.out.data()) std::copy_n(&job.rest[first], count, &job.out[first]);
-      if (!job.directions.empty()) std::fill_n(&job.directions[first], count, Vector3d::Zero());
+      leave_block<way>(job, first);
       continue;
     }
-    for (Channels& sum : sums)
-      for (std::size_t k = 0; k < channels_of(way); ++k) sum[k] = 0;
+    for (Sum<way>& sum : sums) sum.fill(0);
     if (job.signs_agree) {
       for (const std::size_t m : here) {
         const Channels channels = movers[m].channels;
@@ -261,11 +299,11 @@ ARMATURE_INLINE double skin_blocks(const Job& job, std::size_t begin, std::size_
                        [&](std::size_t i, std::size_t v) { sums[v][3] -= static_cast<double>(movers[m].weights[i]); });
       for (const std::size_t m : here)
         go_on(m, for_each_entry(movers[m], at[m], first, [&](std::size_t i, std::size_t v) {
-                add_agreeing(movers[m].channels, static_cast<double>(movers[m].weights[i]), sums[v]);
+                add_agreeing<way>(movers[m].channels, static_cast<double>(movers[m].weights[i]), sums[v]);
               }));
       for (std::size_t v = 0; v < count; ++v) sums[v][3] -= job.totals[first + v];
     }
-    most = std::max(most, move<way>(job, first, sums));
+    most = std::max(most, move_block<way>(job, first, sums));
   }
   return most;
 }
@@ -275,6 +313,9 @@ ARMATURE_LANES double skin_linearly(const Job& job, std::size_t begin, std::size
 }
 ARMATURE_LANES double skin_by_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
   return skin_blocks<Way::DualQuaternions>(job, begin, end);
+}
+ARMATURE_LANES double skin_by_directed_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
+  return skin_blocks<Way::DualQuaternionsAndDirections>(job, begin, end);
 }
 ARMATURE_LANES double skin_by_stretched_dual_quaternions(const Job& job, std::size_t begin, std::size_t end) {
   return skin_blocks<Way::DualQuaternionsAndStretches>(job, begin, end);
@@ -295,8 +336,7 @@ bool signs_agree(const std::vector<Mover>& movers) {
 }
 
 double skin(Job job, const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend) {
-  assert(motions.size() == weights.columns.size() && job.rest.size() == weights.totals.size() &&
-         job.out.size() == job.rest.size());
+  assert(motions.size() == weights.columns.size() && job.rest.size() == weights.totals.size());
   bool stretches = false;
   for (std::size_t s = 0; s < motions.size(); ++s) {
     if (motions[s].moves_nothing()) continue;
@@ -306,9 +346,11 @@ double skin(Job job, const SkinWeights& weights, std::span<const SphereMotion> m
     stretches = stretches || motions[s].scale != 1;
   }
   job.signs_agree = blend == Blend::Linear || signs_agree(job.movers);
-  const auto run = blend == Blend::Linear ? skin_linearly
-                   : stretches            ? skin_by_stretched_dual_quaternions
-                                          : skin_by_dual_quaternions;
+  assert(job.directed.empty() || !stretches);
+  const auto run = blend == Blend::Linear  ? skin_linearly
+                   : !job.directed.empty() ? skin_by_directed_dual_quaternions
+                   : stretches             ? skin_by_stretched_dual_quaternions
+                                           : skin_by_dual_quaternions;
   const std::size_t blocks = (job.rest.size() + kBlock - 1) / kBlock;
   constexpr std::size_t kBlocksAtATime = 32;
   return tbb::parallel_reduce(
@@ -319,17 +361,25 @@ double skin(Job job, const SkinWeights& weights, std::span<const SphereMotion> m
 
 }  // namespace
 
+bool only_turn(std::span<const SphereMotion> motions) {
+  Eigen::AlignedBox3d box;
+  for (const SphereMotion& motion : motions) box.extend(motion.before.centre);
+  const double length = box.isEmpty() ? 0 : box.diagonal().norm();
+  return std::ranges::all_of(motions, [&](const SphereMotion& motion) { return motion.only_turns(length); });
+}
+
 void skin(const SkinWeights& weights, std::span<const SphereMotion> motions, Blend blend,
           std::span<const Vector3d> rest, std::span<Vector3d> out) {
+  assert(out.size() == rest.size());
   skin({.totals = weights.totals, .rest = rest, .out = out}, weights, motions, blend);
 }
 
 double skin_with_directions(const SkinWeights& weights, std::span<const SphereMotion> motions,
-                            std::span<const Vector3d> rest, std::span<Vector3d> out, std::span<const Vector3d> outward,
-                            std::span<Vector3d> directions) {
-  assert(outward.size() == rest.size() && directions.size() == rest.size());
-  return skin({.totals = weights.totals, .rest = rest, .out = out, .outward = outward, .directions = directions},
-              weights, motions, Blend::DualQuaternions);
+                            std::span<const Vector3d> rest, std::span<const FourDirections> outward,
+                            std::span<DirectedVertex> directed) {
+  assert(outward.size() == (rest.size() + 3) / 4 && directed.size() == rest.size());
+  return skin({.totals = weights.totals, .rest = rest, .outward = outward, .directed = directed}, weights, motions,
+              Blend::DualQuaternions);
 }
 
 }  // namespace armature::sdk

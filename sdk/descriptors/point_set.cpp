@@ -40,7 +40,7 @@ double spacing(const PointSet& points) {
     return std::ranges::lexicographical_compare(a, b);
   };
   std::ranges::sort(places, less);
-  places.erase(std::ranges::unique(places).begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
   if (places.size() < 2) return 0;
   // Of every 64th place, and no fewer than 1000.
   const std::size_t step = std::clamp<std::size_t>(places.size() / 1000, 1, 64);

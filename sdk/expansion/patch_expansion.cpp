@@ -20,7 +20,9 @@
 namespace armature::sdk {
 namespace {
 
-constexpr std::size_t kTried = 8;   // places that the patch is laid onto roughly, of each that is looked at closely
+static const std::size_t kTried =
+    getenv("KT") ? atoi(getenv("KT"))
+                 : 2;               // places that the patch is laid onto roughly, of each that is looked at closely
 constexpr double kApart = 0.75;     // centres of candidates, of the radius
 constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
 constexpr double kPromising = 0.5;  // a fit that is worth another look
@@ -98,6 +100,7 @@ std::string reason_of(double similarity, const PatchFit& laid) {
   std::string reason =
       in_words("surroundings %.0f %% alike, surfaces lie %.0f %% on one another", 100 * similarity, 100 * laid.fit);
   if (laid.mirrored) reason += ", mirrored";
+  if (laid.ambiguous) reason += ", turned otherwise nearly as well";
   if (std::abs(laid.scale - 1) > 0.05) reason += in_words(", %.2g times as large", laid.scale);
   return reason;
 }
@@ -145,6 +148,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   const auto ball = patch_ball(of_patch, patch);
   if (!ball) return tl::unexpected(ball.error());
   const bool same_surface = &surface == &of_patch;
+  const std::size_t most = options.most + (same_surface ? 1 : 0);  // the reference is like itself
   PatchExpansionTimes took;
 
   // Where.
@@ -164,7 +168,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const PatchContexts& contexts = made ? *made : *own;
     const auto similarity = contexts.similarity_to(reference, task);
     if (!similarity) return tl::unexpected(similarity.error());
-    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, kTried * options.most + 1)) {
+    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, most)) {
       places.push_back(place);
       candidates.push_back({{}, contexts.of(place.centre)});
     }
@@ -185,28 +189,17 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   if (!same_surface) graph_elsewhere.emplace(surface);
   const FaceGraph& graph = same_surface ? graph_of_patch : *graph_elsewhere;
   task.report("laying the patch onto its likes", 0);
-  std::vector<RoughlyLaid> roughly(std::min(order.size(), kTried * options.most + (same_surface ? 1 : 0)));
-  tbb::parallel_for(std::size_t{0}, roughly.size(), [&](std::size_t rank) {
-    const Place& place = places[order[rank]];
-    if (!task.stopped()) roughly[rank] = model.lay_roughly(graph, place.centre, place.scale, options.mirrored);
-  });
-  if (task.stopped()) return cancelled();
-  // Noise takes from the contexts of small patches nearly all that tells their likes from others.
-  const std::size_t looked_at = std::min(order.size(), options.most + (same_surface ? 1 : 0));
-  std::vector<std::size_t> closely(roughly.size());
-  std::iota(closely.begin(), closely.end(), std::size_t{0});
-  std::ranges::stable_sort(closely, {}, [&](std::size_t rank) { return roughly[rank].misfit(); });
-  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
+  const std::size_t looked_at = std::min(order.size(), most);
+  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
     if (task.stopped()) return;
-    const std::size_t rank = closely[i];
     const Place& place = places[order[rank]];
-    PatchFit laid = model.lay_closely(graph, roughly[rank]);
+    PatchFit laid = model.lay(graph, place.centre, place.scale, options.mirrored);
     // Far from where it was looked for, not all of it was in sight.
     const VertexId centre = vertex_under(surface, apply(laid.target_from_reference, model.centre()));
     const double astray = (surface.mesh.position(centre) - surface.mesh.position(place.centre)).norm();
     if (laid.fit > kPromising && astray > kAstray * place.scale * ball->radius) {
-      const PatchFit again = model.lay_closely(graph, model.lay_roughly(graph, centre, place.scale, options.mirrored));
-      if (again.misfit < laid.misfit) laid = again;
+      const PatchFit again = model.lay(graph, centre, place.scale, options.mirrored);
+      if (again.fit > laid.fit) laid = again;
     }
     Match& match = candidates[order[rank]].match;
     match.faces = model.extent(graph, laid);
@@ -233,8 +226,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const auto faces = surface.adjacency.faces(places[i].centre);
     return faces.empty() ? FaceId() : faces.front();
   };
-  std::vector<std::size_t> by_score;
-  for (const std::size_t rank : std::span(closely).first(looked_at)) by_score.push_back(order[rank]);
+  std::vector<std::size_t> by_score(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(looked_at));
   std::ranges::stable_sort(by_score, std::greater{}, [&](std::size_t i) { return candidates[i].match.score; });
   for (const std::size_t i : by_score) {
     Match& match = candidates[i].match;
@@ -247,10 +239,9 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
       matches.push_back(std::move(candidates[i]));
     }
   }
-  for (const std::size_t rank : std::span(closely).subspan(looked_at))
-    rejected.push_back(
-        {face_at(order[rank]), in_words("surroundings only %.0f %% alike: not among the best %.0f",
-                                        100 * double{places[order[rank]].similarity}, static_cast<double>(looked_at))});
+  for (const std::size_t i : std::span(order).subspan(looked_at))
+    rejected.push_back({face_at(i), in_words("surroundings only %.0f %% alike: not among the best %.0f",
+                                             100 * double{places[i].similarity}, static_cast<double>(looked_at))});
   return Expansion(std::move(reference_faces), std::move(matches), std::move(rejected));
 }
 

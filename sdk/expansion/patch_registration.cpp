@@ -1,7 +1,9 @@
 #include "sdk/expansion/patch_registration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -21,30 +23,28 @@ using Eigen::Vector3d;
 
 constexpr double kSamples = 600;  // of a patch's surroundings, about, and one a face at least
 constexpr std::size_t kMostSamples = 1500;
-constexpr std::size_t kFew = 120;   // that decide between angles
-constexpr std::size_t kSome = 150;  // that decide between ways that differ
-constexpr std::size_t kMany = 300;  // that decide where exactly
-constexpr std::size_t kAll = kMostSamples;
-constexpr std::size_t kStarts = 8;           // that are tried, of each handedness
-constexpr std::array kAstray = {0.25, 0.5};  // how far from its place a centre is looked for, of the radius
-constexpr double kGathered = 1.25;  // of the radius; the farther centres see their far side cut off, and find as many
-constexpr int kAround = 6;          // in so many directions
-constexpr int kFewRounds = 4;
-constexpr int kManyRounds = 8;
-constexpr double kDoubtful = 0.02;       // how far what is nearest may lie before another fold is tried, of the radius
-constexpr double kNear = 0.4;            // what a sample may lie on, of the radius
-constexpr double kHopeless = 0.01;       // a misfit that no closer look will mend
-constexpr double kProgress = 0.98;       // half of the samples are hardly nearer than before: it has settled
-constexpr double kStill = 5e-4;          // a step that ends the search, of the radius
-constexpr double kScaleRange = 1.3;      // how far the scale may leave what was looked for
-constexpr double kWorthMirroring = 0.9;  // a mirror image must leave so much less than the thing itself
-constexpr double kRoughlyUndecided = 0.2;  // of two misfits, the smaller over the larger: beyond, a closer look tells
-constexpr double kUndecided = 0.4;         // the same after that look
+// Where little is in place yet, surfaces lie on one another best where one of them is small: turns first, then sizes.
+constexpr Effort kRoughly = {120, 8, false, 0.1};  // which decides between starts
+constexpr Effort kCloser = {150, 4};               // between ways that differ
+constexpr Effort kDeciding = {400, 4};             // the same where noise might decide
+constexpr Effort kExactly = {300, 8};              // where exactly
+constexpr std::size_t kStarts = 8;                 // that are tried, of each handedness, by reliefs
+constexpr std::array kAstray = {0.25, 0.5};        // how far from its place a centre is looked for, of the radius
+constexpr double kGathered = 1.25;   // of the radius; the farther centres see their far side cut off, and find as many
+constexpr int kAround = 6;           // in so many directions
+constexpr double kDoubtful = 0.02;   // how far what is nearest may lie before another fold is tried, of the radius
+constexpr double kNear = 0.4;        // what a sample may lie on, of the radius
+constexpr double kProgress = 0.98;   // half of the samples are hardly nearer than before: it has settled
+constexpr double kStill = 5e-4;      // a step that ends the search, of the radius
+constexpr double kScaleRange = 1.3;  // how far the scale may leave what was looked for
+constexpr double kRoughlyUndecided = 0.7;  // of two fits, the smaller over the larger: above, a closer look tells
+constexpr double kUndecided = 0.9;         // the same after that look
+constexpr double kLikely = 0.5;            // a fit of the same shape in noise
+constexpr double kWorthMirroring = 0.005;  // a mirror image must fit so much better than the thing itself
+constexpr double kAsWell = 0.01;           // fits that differ by less tell nothing
+constexpr double kImage = 0.5;             // a fit of the reference onto itself that may be mistaken in noise
+constexpr std::size_t kMostImages = 3;
 constexpr double kAnotherTurn = std::numbers::pi / 6;  // ways that differ by less are one
-constexpr double kLikely = 5e-4;                       // a misfit of the same shape in noise
-constexpr double kAlike = 2e-6;                        // misfits that differ by less tell nothing
-constexpr std::size_t kCellRings = 5;                  // of the cells that noise is averaged over
-constexpr double kApart = 0.05;                        // surfaces that do not lie on one another, of the radius
 constexpr double kReach = 0.2;                         // surfaces that are not there, of the radius
 
 /// A place where the reference's centre may lie, and how the surface rises around it.
@@ -52,6 +52,14 @@ struct Centre {
   Vector3d point;
   PolarRelief relief;
 };
+
+/// The way that takes one point to another.
+PatchFit way_of(const Matrix3d& A, const Vector3d& from, const Vector3d& to, double scale, bool mirrored) {
+  PatchFit way{.scale = scale, .mirrored = mirrored};
+  way.target_from_reference.topLeftCorner<3, 3>() = A;
+  way.target_from_reference.topRightCorner<3, 1>() = to - A * from;
+  return way;
+}
 
 /// A centre, and a shift by sectors against the reference.
 struct Start {
@@ -93,25 +101,61 @@ struct OnTarget {
   Vector3d point, normal;
 };
 
-/// The cell of every sample, around the mean normal: kCellRings of equal width, the k-th of 2 k + 1 thirds.
-std::vector<std::size_t> cells_of(const PatchSurroundings& around, double radius) {
-  std::vector<std::size_t> cells;
-  for (const SurfaceSample& s : around.samples) {
-    const Vector3d x = around.relief.frame.transpose() * (s.point - around.centre) / radius;
-    const auto ring = std::min<std::size_t>(kCellRings - 1, static_cast<std::size_t>(kCellRings * x.head<2>().norm()));
-    const std::size_t sectors = 3 * (2 * ring + 1);
-    const double turn = std::atan2(x.y(), x.x()) / (2 * std::numbers::pi) + 0.5;
-    const auto sector = std::min(sectors - 1, static_cast<std::size_t>(turn * static_cast<double>(sectors)));
-    cells.push_back(3 * ring * ring + sector);
+/// The middle of samples within a radius of a centre, by area, and the axes of their second moments, columns.
+struct Moments {
+  Vector3d middle;
+  Matrix3d axes;
+};
+
+Moments moments_of(std::span<const SurfaceSample> samples, const Vector3d& centre, double radius) {
+  Vector3d first = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+  double area = 0;
+  for (const SurfaceSample& s : samples) {
+    const Vector3d x = s.point - centre;
+    if (x.squaredNorm() > radius * radius) continue;
+    first += s.area * x;
+    second += s.area * x * x.transpose();
+    area += s.area;
   }
-  return cells;
+  if (!(area > 0)) return {centre, Matrix3d::Identity()};
+  first /= area;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(second / area - first * first.transpose());
+  return {centre + first, solver.eigenvectors()};
 }
 
-/// The angle of the turn from one registration to another of the same handedness.
-double angle_between(const PatchFit& a, const PatchFit& b) {
+/// The ways that lay one's moments onto another's, as they are or mirrored: axes know no sign.
+std::vector<PatchFit> by_moments(const Moments& reference, const Moments& target, double scale, bool mirrored) {
+  std::vector<PatchFit> ways;
+  for (int signs = 0; signs < 8; ++signs) {
+    const Vector3d turned((signs & 1) != 0 ? -1 : 1, (signs & 2) != 0 ? -1 : 1, (signs & 4) != 0 ? -1 : 1);
+    const Matrix3d R = target.axes * turned.asDiagonal() * reference.axes.transpose();
+    if ((R.determinant() < 0) == mirrored)
+      ways.push_back(way_of(scale * R, reference.middle, target.middle, scale, mirrored));
+  }
+  return ways;
+}
+
+/// Whether two ways are not of the same handedness and nearly the same turn.
+bool differ(const PatchFit& a, const PatchFit& b) {
+  if (a.mirrored != b.mirrored) return true;
   const Matrix3d A = a.target_from_reference.topLeftCorner<3, 3>() / a.scale;
   const Matrix3d B = b.target_from_reference.topLeftCorner<3, 3>() / b.scale;
-  return std::acos(std::clamp(((A.transpose() * B).trace() - 1) / 2, -1.0, 1.0));
+  return std::acos(std::clamp(((A.transpose() * B).trace() - 1) / 2, -1.0, 1.0)) > kAnotherTurn;
+}
+
+/// What a way is worth: a little less for a mirror image, so that what is its own mirror image is not one.
+double worth(const PatchFit& way) {
+  return way.mirrored ? way.fit - kWorthMirroring : way.fit;
+}
+
+/// What finds the targets near samples on a grid.
+auto on_grid(const SampleGrid& grid) {
+  return [&grid](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
+    const SurfaceSample* near = grid.near(from);
+    if (near == nullptr) return std::nullopt;
+    return OnTarget{near->point, near->normal};
+  };
 }
 
 double area_of(const Surface& surface, std::span<const FaceId> patch) {
@@ -137,6 +181,11 @@ std::vector<SurfaceSample> samples_about(const FaceGraph& graph, VertexId at, do
   };
   thin_out(faces);
   auto samples = samples_of(surface.mesh, faces, std::numbers::pi * radius * radius / kSamples);
+  for (SurfaceSample& sample : samples) {
+    Vector3d normal = Vector3d::Zero();
+    for (const VertexId corner : surface.mesh.triangle(sample.face)) normal += surface.vertex_normals[corner.index()];
+    if (normal.norm() > 0) sample.normal = normal.normalized();
+  }
   std::erase_if(samples, [&](const SurfaceSample& s) { return (s.point - centre).squaredNorm() > reach * reach; });
   thin_out(samples);
   return samples;
@@ -168,88 +217,101 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
             (1 + kReach) * ball.radius),
       shares_(*surface_, patch),
       to_border_(surface_->mesh.positions.size(), -1),
-      cells_(cells_of(around_, ball.radius)),
       border_(border_of(*surface_, patch)) {
   measure_border(graph);
+  find_images();
 }
 
-RoughlyLaid PatchReference::lay_roughly(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
+auto PatchReference::on_surface(const FaceGraph& graph, const SampleGrid& grid, double scale) const {
+  // From what was found for a sample in the round before.
+  return [this, &graph, &grid, radius = scale * ball_.radius, last = std::vector<FaceId>(around_.samples.size())](
+             std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
+    const SurfacePoint to = closest_near(graph, grid, last[i], from, radius);
+    if (!to.face.valid()) return std::nullopt;
+    last[i] = to.face;
+    if (to.distance > kNear * radius) return std::nullopt;
+    Vector3d normal = Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      normal += to.barycentric[static_cast<Eigen::Index>(k)] *
+                graph.surface().vertex_normals[graph.surface().mesh.triangle(to.face)[k].index()];
+    return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
+  };
+}
+
+void PatchReference::find_images() {
+  const Moments moments = moments_of(around_.samples, around_.centre, ball_.radius);
+  const PatchFit itself;
+  for (const bool mirrored : {false, true})
+    for (PatchFit& way : by_moments(moments, moments, 1, mirrored)) {
+      if (!differ(way, itself)) continue;
+      improve(way, 1, kRoughly, on_grid(grid_));
+      images_.push_back(way);
+    }
+  std::ranges::stable_sort(images_, std::greater{}, &PatchFit::fit);
+  images_.resize(std::min(images_.size(), kMostImages));
+  for (PatchFit& image : images_) improve(image, 1, kCloser, on_surface(*graph_, grid_, 1));
+  std::erase_if(images_, [](const PatchFit& image) { return image.fit < kImage; });
+}
+
+PatchFit PatchReference::lay(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const {
   const double radius = scale * ball_.radius;
   const PatchSurroundings there(graph, at, radius, kGathered * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
   SampleGrid grid(there.samples, there.centre, kGathered * radius);
-  const auto near_there = [&](std::size_t, const Vector3d& from) -> std::optional<OnTarget> {
-    const SurfaceSample* near = grid.near(from);
-    if (near == nullptr) return std::nullopt;
-    return OnTarget{near->point, near->normal};
-  };
-  RoughlyLaid laid{scale, {}, {}};
+  const Moments moments = moments_of(around_.samples, around_.centre, ball_.radius);
+  std::vector<PatchFit> best;  // of either handedness, two that differ by their turn
   for (const bool mirrored : {false, true}) {
     if (mirrored && !mirrored_too) break;
-    std::vector<PatchFit> ways;
+    std::vector<PatchFit> ways = by_moments(moments, moments_of(there.samples, there.centre, radius), scale, mirrored);
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
-      PatchFit tried{.scale = scale, .mirrored = mirrored};
-      const Matrix3d A = scale * turn_by(around_.relief, start.at->relief, start.shift, mirrored);
-      tried.target_from_reference.topLeftCorner<3, 3>() = A;
-      tried.target_from_reference.topRightCorner<3, 1>() = start.at->point - A * around_.centre;
-      improve(tried, scale, kFew, kFewRounds, near_there);
-      ways.push_back(tried);
+      const Matrix3d turn = turn_by(around_.relief, start.at->relief, start.shift, mirrored);
+      ways.push_back(way_of(scale * turn, around_.centre, start.at->point, scale, mirrored));
     }
-    std::ranges::stable_sort(ways, {}, &PatchFit::misfit);
-    const auto other = std::ranges::find_if(
-        ways, [&](const PatchFit& way) { return angle_between(ways.front(), way) > kAnotherTurn; });
-    laid.ways.push_back(ways.front());
-    if (other != ways.end()) laid.ways.push_back(*other);
+    for (PatchFit& way : ways) improve(way, scale, kRoughly, on_grid(grid));
+    std::ranges::stable_sort(ways, std::greater{}, &PatchFit::fit);
+    const auto other = std::ranges::find_if(ways, [&](const PatchFit& way) { return differ(way, ways.front()); });
+    best.push_back(ways.front());
+    if (other != ways.end()) best.push_back(*other);
   }
-  std::ranges::stable_sort(laid.ways, {}, &PatchFit::misfit);
-  laid.grid = std::move(grid);
-  return laid;
+  const PatchFit first = std::ranges::max(best, {}, &PatchFit::fit);
+  for (const PatchFit& image : images_) {
+    PatchFit way = first;
+    way.target_from_reference = way.target_from_reference * image.target_from_reference;
+    way.scale *= image.scale;
+    way.mirrored = way.mirrored != image.mirrored;
+    if (mirrored_too || !way.mirrored) best.push_back(way);
+  }
+  return best_of(std::move(best), graph, grid, scale);
 }
 
-PatchFit PatchReference::lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const {
-  const Surface& target = graph.surface();
-  const double radius = roughly.scale * ball_.radius;
-  // From what was found for a sample in the round before.
-  const auto nearest = [&] {
-    return [&, last = std::vector<FaceId>(around_.samples.size())](
-               std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
-      const SurfacePoint to = closest_near(graph, roughly.grid, last[i], from, radius);
-      if (!to.face.valid()) return std::nullopt;
-      last[i] = to.face;
-      if (to.distance > kNear * radius) return std::nullopt;
-      Vector3d normal = Vector3d::Zero();
-      for (std::size_t k = 0; k < 3; ++k)
-        normal += to.barycentric[static_cast<Eigen::Index>(k)] *
-                  target.vertex_normals[target.mesh.triangle(to.face)[k].index()];
-      return OnTarget{to.point, normal.norm() > 0 ? normal.normalized() : normal};
-    };
+PatchFit PatchReference::best_of(std::vector<PatchFit> ways, const FaceGraph& graph, const SampleGrid& grid,
+                                 double scale) const {
+  const auto improve_all = [&](const Effort& effort) {
+    for (PatchFit& way : ways) improve(way, scale, effort, on_surface(graph, grid, scale));
   };
-  std::vector<PatchFit> ways = roughly.ways;
-  const auto look_closer = [&](std::size_t samples, double least) {
-    const double best = std::ranges::min(ways, {}, &PatchFit::misfit).misfit;
-    std::erase_if(ways, [&](const PatchFit& way) { return best < least * way.misfit; });
-    if (ways.size() == 1) return;
-    for (PatchFit& way : ways) improve(way, roughly.scale, samples, kFewRounds, nearest());
+  const auto forget = [&](double least) {
+    const double best = std::ranges::max(ways, {}, &PatchFit::fit).fit;
+    std::erase_if(ways, [&](const PatchFit& way) { return way.fit < least * best; });
   };
-  if (roughly.misfit() < kHopeless) look_closer(kSome, kRoughlyUndecided);
-  // Where noise might decide, all samples do.
-  if (std::ranges::min(ways, {}, &PatchFit::misfit).misfit < kLikely) look_closer(kAll, kUndecided);
-  PatchFit best = std::ranges::min(ways, {}, [](const PatchFit& way) {
-    return way.mirrored ? (way.misfit + kAlike) / kWorthMirroring : way.misfit;
-  });
-  improve(best, roughly.scale, kMany, best.misfit < kHopeless ? kManyRounds : 0, nearest());
+  forget(kRoughlyUndecided);
+  if (ways.size() > 1) improve_all(kCloser);
+  forget(kUndecided);
+  if (ways.size() > 1 && std::ranges::max(ways, {}, &PatchFit::fit).fit > kLikely) improve_all(kDeciding);
+  PatchFit best = std::ranges::max(ways, {}, worth);
+  best.ambiguous =
+      std::ranges::any_of(ways, [&](const PatchFit& way) { return differ(way, best) && way.fit > best.fit - kAsWell; });
+  improve(best, scale, kExactly, on_surface(graph, grid, scale));
   return best;
 }
 
 template <class Find>
-void PatchReference::improve(PatchFit& registration, double scale, std::size_t samples, int rounds, Find&& find) const {
+void PatchReference::improve(PatchFit& registration, double scale, const Effort& effort, Find&& find) const {
   struct Pair {
     Vector3d from, to, normal;
     double distance, facing;
-    std::size_t cell;
   };
   const double radius = scale * ball_.radius;
-  const std::size_t stride = std::max<std::size_t>(1, around_.samples.size() / samples);
+  const std::size_t stride = std::max<std::size_t>(1, around_.samples.size() / effort.samples);
   const double asked = static_cast<double>((around_.samples.size() + stride - 1) / stride);
   std::vector<Pair> pairs;
   std::vector<double> distances;
@@ -262,12 +324,12 @@ void PatchReference::improve(PatchFit& registration, double scale, std::size_t s
       const SurfaceSample& sample = around_.samples[i];
       const Vector3d from = apply(T, sample.point);
       if (const auto to = find(i, from))
-        pairs.push_back({from, to->point, to->normal, (to->point - from).norm(), (turn * sample.normal).dot(to->normal),
-                         cells_[i]});
+        pairs.push_back(
+            {from, to->point, to->normal, (to->point - from).norm(), (turn * sample.normal).dot(to->normal)});
     }
   };
   bool moved = true;  // since the pairs were found
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < effort.rounds; ++round) {
     find_pairs();
     moved = false;
     if (pairs.size() < 6) break;
@@ -275,7 +337,7 @@ void PatchReference::improve(PatchFit& registration, double scale, std::size_t s
     for (const Pair& pair : pairs) distances.push_back(pair.distance);
     const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::ranges::nth_element(distances, half);
-    if (registration.misfit > kLikely && *half > kProgress * before) break;
+    if (effort.sized && *half > kProgress * before && registration.fit < kLikely) break;
     before = *half;
     const double usual = std::max(0.01 * radius, 1.5 * *half);
 
@@ -291,7 +353,13 @@ void PatchReference::improve(PatchFit& registration, double scale, std::size_t s
       sums.noalias() += (weight * row) * row.transpose();
     }
     Eigen::Matrix<double, 7, 7> H = sums.topLeftCorner<7, 7>();
-    const Eigen::Matrix<double, 7, 1> g = sums.topRightCorner<7, 1>();
+    Eigen::Matrix<double, 7, 1> g = sums.topRightCorner<7, 1>();
+    if (!effort.sized) {
+      H.row(6).setZero();
+      H.col(6).setZero();
+      H(6, 6) = 1;
+      g[6] = 0;
+    }
     H.diagonal().array() += 1e-4 * H.trace() / 7 + 1e-12;  // what the surface does not tell stays
     Eigen::Matrix<double, 7, 1> step = H.ldlt().solve(g);
     if (!step.allFinite()) break;
@@ -312,21 +380,10 @@ void PatchReference::improve(PatchFit& registration, double scale, std::size_t s
     if (step.norm() < kStill) break;
   }
   if (moved) find_pairs();
-  // A twentieth of the radius apart is as bad as nothing there.
   double sum = 0;
-  std::array<double, 3 * kCellRings * kCellRings> apart{};
-  std::array<double, 3 * kCellRings * kCellRings> count{};
-  for (const Pair& pair : pairs) {
-    sum += std::max(0.0, pair.facing) * std::exp(-std::pow(pair.distance / (kApart * radius), 2));
-    apart[pair.cell] += std::clamp(pair.normal.dot(pair.to - pair.from) / radius, -kReach, kReach);
-    ++count[pair.cell];
-  }
+  for (const Pair& pair : pairs)
+    sum += std::max(0.0, pair.facing) * std::exp(-std::pow(pair.distance / (effort.apart * radius), 2));
   registration.fit = asked > 0 ? sum / asked : 0;
-  // Where nothing lies near, the surfaces are apart by the reach.
-  double squares = kReach * kReach * (asked - static_cast<double>(pairs.size()));
-  for (std::size_t cell = 0; cell < count.size(); ++cell)
-    if (count[cell] > 0) squares += apart[cell] * apart[cell] / count[cell];
-  registration.misfit = asked > 0 ? squares / asked : 0;
 }
 
 }  // namespace armature::sdk

@@ -24,7 +24,7 @@ namespace armature::sdk {
 }
 
 /// A few hundred samples of a surface within `radius` of a vertex, and as densely within `reach`, of what hangs
-/// together with it.
+/// together with it. Their normals are means of those at the corners of their faces, which noise turns less.
 [[nodiscard]] std::vector<SurfaceSample> samples_about(const FaceGraph& graph, VertexId at, double radius,
                                                        double reach);
 
@@ -41,20 +41,18 @@ struct PatchSurroundings {
 /// Where a patch lies on a surface.
 struct PatchFit {
   Eigen::Matrix4d target_from_reference = Eigen::Matrix4d::Identity();
-  double scale = 1;       ///< of that
-  bool mirrored = false;  ///< whether it mirrors
-  double fit = 0;         ///< how well the surfaces lie on one another, in [0, 1]
-  double misfit = 0;      ///< mean square of how far they lie apart, of means over cells, of the radius squared
+  double scale = 1;        ///< of that
+  bool mirrored = false;   ///< whether it mirrors
+  double fit = 0;          ///< how well the surfaces lie on one another, in [0, 1]
+  bool ambiguous = false;  ///< whether it fits as well turned otherwise, or mirrored
 };
 
-/// How a patch may lie about a vertex, before anybody has looked closely.
-struct RoughlyLaid {
-  double scale = 1;                 ///< about which it was looked for
-  std::vector<PatchFit> ways = {};  ///< best first: of either handedness, two that differ by their turn
-  SampleGrid grid = {};             ///< of what is there
-
-  /// The least.
-  [[nodiscard]] double misfit() const noexcept { return ways.front().misfit; }
+/// How hard a way to lie is improved.
+struct Effort {
+  std::size_t samples;  ///< about so many
+  int rounds;           ///< at most
+  bool sized = true;    ///< whether the scale may change
+  double apart = 0.05;  ///< so far apart is as bad as nothing there, of the radius
 };
 
 /// Where a surface comes nearest to a point: downhill from the face that was last nearest, if any; and where that is
@@ -71,12 +69,11 @@ class PatchReference {
  public:
   PatchReference(const FaceGraph& graph, std::span<const FaceId> patch, const PatchBall& ball);
 
-  /// Lays the reference onto the surface of a graph about a vertex at about a scale, as it is and mirrored: angles at
-  /// which the reliefs agree, then iterated closest points to the tangent plane (Chen and Medioni 1991), from the most
-  /// promising, on a grid.
-  [[nodiscard]] RoughlyLaid lay_roughly(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
-  /// Improves that on the surface itself, and decides whether it is mirrored.
-  [[nodiscard]] PatchFit lay_closely(const FaceGraph& graph, const RoughlyLaid& roughly) const;
+  /// Lays the reference onto the surface of a graph about a vertex at about a scale, as it is and mirrored: from the
+  /// angles at which the reliefs agree and from the axes of second moments, by iterated closest points to the tangent
+  /// plane (Chen and Medioni 1991), on a grid; those that fit best, and their images where the reference is nearly its
+  /// own, on the surface itself, until it is decided which fits best.
+  [[nodiscard]] PatchFit lay(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
   /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
   [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const PatchFit& registration) const;
 
@@ -84,11 +81,17 @@ class PatchReference {
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
 
  private:
-  /// Improves a registration over about so many samples. `find(i, point)` gives the target near the i-th sample, which
-  /// has come to lie there, or nothing.
+  /// The best of some ways, improved on the surface itself.
+  [[nodiscard]] PatchFit best_of(std::vector<PatchFit> ways, const FaceGraph& graph, const SampleGrid& grid,
+                                 double scale) const;
+  /// Improves a registration. `find(i, point)` gives the target near the i-th sample, which has come to lie there, or
+  /// nothing.
   template <class Find>
-  void improve(PatchFit& registration, double scale, std::size_t samples, int rounds, Find&& find) const;
+  void improve(PatchFit& registration, double scale, const Effort& effort, Find&& find) const;
+  /// What finds targets on the surface of a graph, at about a scale.
+  [[nodiscard]] auto on_surface(const FaceGraph& graph, const SampleGrid& grid, double scale) const;
 
+  void find_images();
   void measure_border(const FaceGraph& graph);
 
   const FaceGraph* graph_;
@@ -97,10 +100,10 @@ class PatchReference {
   double area_;  // of the patch
   PatchSurroundings around_;
   SampleGrid grid_;
-  RegionShares shares_;             // of the patch
-  std::vector<float> to_border_;    // by vertex; negative far from the patch
-  std::vector<std::size_t> cells_;  // that noise is averaged over, by sample
-  MeshTree border_;                 // of the patch
+  RegionShares shares_;           // of the patch
+  std::vector<float> to_border_;  // by vertex; negative far from the patch
+  MeshTree border_;               // of the patch
+  std::vector<PatchFit> images_;  // how else it lies on itself so well that noise might take one for the other
 };
 
 }  // namespace armature::sdk

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "sdk/hierarchy/links.h"
 #include "sdk/hierarchy/recorder.h"
 #include "sdk/hierarchy/sqem_metric.h"
+#include "sdk/hierarchy/staves.h"
 
 namespace armature::sdk {
 namespace {
@@ -29,7 +31,8 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
   if (!(options.importance >= 0) || !std::isfinite(options.importance)) return "importance: expected 0 or more";
   if (!(options.regularise >= 0) || !std::isfinite(options.regularise)) return "regularise: expected 0 or more";
-  if (!(options.compactness >= 0) || !std::isfinite(options.compactness)) return "compactness: expected 0 or more";
+  if (const double c = options.compactness.value_or(0); !(c >= 0) || !std::isfinite(c))
+    return "compactness: expected 0 or more";
   if (!(options.radius_per_width >= 0) || !std::isfinite(options.radius_per_width))
     return "radius per width: expected 0 or more";
   if (!(options.enrichment >= 0) || !std::isfinite(options.enrichment)) return "enrichment: expected 0 or more";
@@ -64,7 +67,7 @@ class Builder {
         shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
         metric_(shape_, {.weights = weights,
                          .regularise = options.regularise,
-                         .compactness = options.compactness,
+                         .compactness = options.compactness.value_or(0),
                          .by_increase = options.by_increase,
                          .radius_per_width = options.radius_per_width}),
         complex_(vertex_count(), shape_.triangles, links_of_loose_vertices(shape_, options.labels)),
@@ -91,31 +94,54 @@ class Builder {
 
   /// False if the task was stopped.
   bool decimate(const Task& task) {
+    if (!collapse(wanted_, task)) return false;
+    collapses_ = complex_.steps();
+    recorder_.take_steps(decimation_.steps());
+    return true;
+  }
+
+  /// Whether what was decimated cuts long straight parts along, into staves. Decimates further, if need be, but keeps
+  /// nothing of it. Nothing if the task was stopped.
+  std::optional<bool> cuts_along(const Mesh& mesh, const Task& task) {
+    constexpr std::uint32_t kSpheres = 20;        // a long tube's first ones follow one another
+    constexpr std::uint32_t kLeastVertices = 10;  // for each of them
+    constexpr double kMost = 0.1;                 // of the area
+    const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
+    if (vertices < kSpheres * kLeastVertices) return false;
+    const std::uint32_t coarse = vertices - kSpheres;
+    if (!collapse(coarse, task)) return std::nullopt;
+    return complex_.steps() >= coarse && share_of_staves(mesh, recorder_.regions(coarse)) > kMost;
+  }
+
+  [[nodiscard]] std::uint32_t collapses() const noexcept { return collapses_; }
+  [[nodiscard]] Recorder take_recorder() {
+    recorder_.take(complex_);
+    recorder_.keep(collapses_);
+    return std::move(recorder_);
+  }
+  /// How it lies in the model; its parts are gone.
+  [[nodiscard]] NormalisedShape take_shape() noexcept { return std::move(shape_); }
+
+ private:
+  /// Until so many collapses are done, or none is left; false if the task was stopped.
+  bool collapse(std::uint32_t wanted, const Task& task) {
     const auto record = [&](std::uint32_t kept, std::uint32_t gone) {
       recorder_.record(kept, gone, metric_.sphere(kept));
     };
-    if (!decimation_.run(wanted_, task, record)) return false;
-    while (complex_.steps() < wanted_ && !options_.keep_topology) {
+    if (complex_.steps() >= wanted) return true;
+    if (!decimation_.run(wanted - complex_.steps(), task, record)) return false;
+    while (complex_.steps() < wanted && !options_.keep_topology) {
       const std::uint32_t before = complex_.steps();
       const auto roots = recorder_.roots();
       std::vector<Eigen::Vector3d> centres;
       centres.reserve(roots.size());
       for (const auto slot : roots) centres.push_back(metric_.position(slot));
       decimation_.offer(add_links(links_between_components(roots, centres)));
-      if (!decimation_.run(wanted_ - before, task, record)) return false;
+      if (!decimation_.run(wanted - before, task, record)) return false;
       if (complex_.steps() == before) break;
     }
-    recorder_.take(complex_);
-    recorder_.take_steps(decimation_.steps());
     return true;
   }
-
-  [[nodiscard]] std::uint32_t collapses() const noexcept { return complex_.steps(); }
-  [[nodiscard]] Recorder take_recorder() noexcept { return std::move(recorder_); }
-  /// How it lies in the model; its parts are gone.
-  [[nodiscard]] NormalisedShape take_shape() noexcept { return std::move(shape_); }
-
- private:
   [[nodiscard]] std::uint32_t vertex_count() const noexcept {
     return static_cast<std::uint32_t>(shape_.positions.size());
   }
@@ -131,6 +157,7 @@ class Builder {
   Recorder recorder_;
   Decimation<SqemMetric> decimation_;
   std::uint32_t wanted_;
+  std::uint32_t collapses_ = 0;  // of those that are kept
 };
 
 }  // namespace
@@ -154,12 +181,25 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
     weights = curved;
   }
   if (task.stopped()) return cancelled();
-  auto builder = std::make_unique<Builder>(mesh, options, weights, similar);
+  HierarchyOptions settled = options;
+  auto builder = std::make_unique<Builder>(mesh, settled, weights, similar);
   HierarchyBuild build;
   build.statistics.init_ms = milliseconds_since(start);
 
   const auto decimating = Clock::now();
   if (!builder->decimate(task)) return cancelled();
+  if (!options.compactness && similar == nullptr) {
+    const auto along = builder->cuts_along(mesh, task);
+    if (!along) return cancelled();
+    if (*along) {
+      constexpr double kAcross = 0.01;
+      builder.reset();
+      settled.compactness = kAcross;
+      builder = std::make_unique<Builder>(mesh, settled, weights, similar);
+      if (!builder->decimate(task)) return cancelled();
+    }
+  }
+  build.statistics.compactness = settled.compactness.value_or(0);
   build.statistics.decimate_ms = milliseconds_since(decimating);
   build.statistics.collapses = builder->collapses();
 

@@ -44,6 +44,28 @@ void Recorder::take(CollapseComplex& complex) {
   wire_events_ = complex.take_wire_events();
 }
 
+void Recorder::keep(std::uint32_t collapses) {
+  parts_.children.resize(collapses);
+  parts_.spheres.resize(collapses);
+  for (auto& death : deaths_)
+    if (death != CollapseComplex::kNever && death > collapses) death = kNoIndex;
+  std::erase_if(wire_events_, [&](const auto& event) { return event.level > collapses; });
+}
+
+std::vector<std::uint32_t> Recorder::regions(std::uint32_t collapses) const {
+  const std::size_t vertices = node_in_.size();
+  std::vector<std::uint32_t> regions(vertices + collapses, kNoIndex);
+  std::uint32_t count = 0;
+  // Nodes come after what they hold.
+  for (std::size_t node = regions.size(); node-- > 0;) {
+    if (regions[node] == kNoIndex) regions[node] = count++;
+    if (node < vertices) continue;
+    for (const std::uint32_t child : parts_.children[node - vertices]) regions[child] = regions[node];
+  }
+  regions.resize(vertices);
+  return regions;
+}
+
 Hierarchy::Parts Recorder::finish(const Mesh& mesh, const NormalisedShape& shape) {
   parts_.origin = shape.origin;
   parts_.scale = shape.scale;

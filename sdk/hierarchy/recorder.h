@@ -27,6 +27,10 @@ class Recorder {
   void take(CollapseComplex& complex);
   /// Takes where the steps of collapses that belong together end; none: each is a step of its own.
   void take_steps(std::vector<std::uint32_t> ends) { parts_.steps = std::move(ends); }
+  /// Forgets all collapses but the first ones, once everything is taken.
+  void keep(std::uint32_t collapses);
+  /// After so many collapses, the number of the region that each vertex is in.
+  [[nodiscard]] std::vector<std::uint32_t> regions(std::uint32_t collapses) const;
   /// All parts, once everything is taken.
   [[nodiscard]] Hierarchy::Parts finish(const Mesh& mesh, const NormalisedShape& shape);
 

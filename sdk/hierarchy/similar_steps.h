@@ -86,7 +86,7 @@ std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) cons
   for (const Ready& member : members)
     for (const auto end : complex_.edge(member.edge)) slots.push_back(end);
   std::ranges::sort(slots);
-  slots.erase(std::ranges::unique(slots).begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   // By slot the place of one that it is joined with.
   std::vector<std::size_t> root(slots.size());
   std::iota(root.begin(), root.end(), std::size_t{0});

@@ -34,7 +34,8 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
                                                                     weight * options.regularise);
     }
   }
-  if (compactness_ > 0) means_ = shape.positions;
+  if (compactness_ > 0)
+    for (const Eigen::Vector3d& position : shape.positions) clouds_.push_back({position});
   for (Region& region : regions_) region.error = region.quadric.c;
 }
 
@@ -55,32 +56,33 @@ double SqemMetric::cost(std::span<const std::uint32_t> slots) const noexcept {
   SphericalQuadric quadric = regions_[a].quadric;
   Extents extents = extents_[a];
   double errors = regions_[a].error;
-  double ward = 0;
-  double weights = weight(a);
-  Eigen::Vector3d mean = means_.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : means_[a];
+  double area = weight(a);
+  Cloud cloud = clouds_.empty() ? Cloud{spheres_[a].centre} : clouds_[a];
+  double misfits = cloud.misfit;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   for (const std::uint32_t b : slots.subspan(1)) {
     offset = spheres_[b].centre - spheres_[a].centre;
     quadric += regions_[b].quadric.translated(offset);
     extents |= extents_[b];
     errors += regions_[b].error;
-    if (!means_.empty() && weight(b) > 0) {
-      const double part = weight(b) / (weights + weight(b));
-      ward += 0.5 * weights * part * (means_[b] - mean).squaredNorm();
-      mean += part * (means_[b] - mean);
-      weights += weight(b);
+    if (!clouds_.empty()) {
+      cloud = united(cloud, area, clouds_[b], weight(b));
+      area += weight(b);
+      misfits += clouds_[b].misfit;
     }
   }
-  double planes = 0;
+  Fit fit;
   if (pins == 1) {
     const Sphere& sphere = spheres_[*std::ranges::find_if(slots, is_pinned)];
-    planes = std::max(quadric({sphere.centre - spheres_[a].centre, sphere.radius}), 0.0);
+    fit.sphere = {sphere.centre - spheres_[a].centre, sphere.radius};
+    fit.cost = std::max(quadric(fit.sphere), 0.0);
   } else {
-    planes = minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
-               return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents));
-             }).cost;
+    fit = {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_,
+                      [&] { return radius_per_width_ * static_cast<double>(smallest_extent(extents, extents)); })};
   }
-  return (by_increase_ ? std::max(planes - errors, 0.0) : planes) + compactness_ * weights * ward;
+  const double planes = by_increase_ ? std::max(fit.cost - errors, 0.0) : fit.cost;
+  if (clouds_.empty()) return planes;
+  return planes + compactness_ * std::max(misfit(cloud, area, seen(fit, a)) - misfits, 0.0);
 }
 
 SqemMetric::Fit SqemMetric::pinned_fit(const SphericalQuadric& quadric, std::uint32_t a,

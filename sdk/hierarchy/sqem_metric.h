@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,7 +20,7 @@ class SqemMetric {
   struct Options {
     std::span<const double> weights;  ///< the importance by vertex, or empty: 1
     double regularise;                ///< eps
-    double compactness;               ///< what Ward's distance of the two regions adds to the rank
+    double compactness;               ///< what distances of points from spheres add to the rank
     bool by_increase;                 ///< rank by what a collapse adds to the error, not by the error of the union
     double radius_per_width;          ///< bounds a radius by so many times the region's smallest extent
   };
@@ -48,7 +49,9 @@ class SqemMetric {
 
   [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b, const Fit& fit) const noexcept {
     const double planes = by_increase_ ? std::max(fit.cost - regions_[a].error - regions_[b].error, 0.0) : fit.cost;
-    return means_.empty() ? planes : planes + compactness_ * apart(a, b);
+    if (clouds_.empty()) return planes;
+    const double points = misfit(united(a, b), weight(a) + weight(b), seen(fit, a));
+    return planes + compactness_ * std::max(points - clouds_[a].misfit - clouds_[b].misfit, 0.0);
   }
 
   /// What it costs to make all of them one.
@@ -58,8 +61,10 @@ class SqemMetric {
     Region& region = regions_[kept];
     const Region& other = regions_[gone];
     Sphere& sphere = spheres_[kept];
-    if (!means_.empty() && weight(gone) > 0)
-      means_[kept] += weight(gone) / (weight(kept) + weight(gone)) * (means_[gone] - means_[kept]);
+    if (!clouds_.empty()) {
+      clouds_[kept] = united(kept, gone);
+      clouds_[kept].misfit = misfit(clouds_[kept], weight(kept) + weight(gone), seen(from_kept, kept));
+    }
     SphericalQuadric quadric = other.quadric.translated(spheres_[gone].centre - sphere.centre);
     quadric += region.quadric;
     region.quadric = quadric.translated(-from_kept.sphere.centre);
@@ -79,10 +84,33 @@ class SqemMetric {
     double error = 0;          ///< of the sphere
   };
 
-  [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9]; }
-  /// How far apart two regions are: what their second moments gain by being one (Ward 1963), times their area.
-  [[nodiscard]] double apart(std::uint32_t a, std::uint32_t b) const noexcept {
-    return 0.5 * weight(a) * weight(b) * (means_[a] - means_[b]).squaredNorm();
+  /// The points of a region.
+  struct Cloud {
+    Eigen::Vector3d mean;
+    double spread = 0;  ///< the integral of |x - mean|^2
+    double misfit = 0;  ///< of the sphere
+  };
+
+  [[nodiscard]] double weight(std::uint32_t slot) const noexcept { return regions_[slot].quadric.a[9] / 2; }
+  [[nodiscard]] Sphere seen(const Fit& fit, std::uint32_t from) const noexcept {
+    return {spheres_[from].centre + fit.sphere.centre, fit.sphere.radius};
+  }
+  [[nodiscard]] Cloud united(std::uint32_t a, std::uint32_t b) const noexcept {
+    return united(clouds_[a], weight(a), clouds_[b], weight(b));
+  }
+  [[nodiscard]] static Cloud united(const Cloud& a, double area, const Cloud& b, double other) noexcept {
+    if (!(area + other > 0)) return a;
+    const double part = other / (area + other);
+    const Eigen::Vector3d offset = b.mean - a.mean;
+    return {a.mean + part * offset, a.spread + b.spread + area * part * offset.squaredNorm()};
+  }
+  /// How far points lie from a sphere beyond it, squared, times their area; as if all lay equally far from its centre.
+  /// Planes know nothing of it: those of a cylinder, however long, touch one sphere within.
+  [[nodiscard]] static double misfit(const Cloud& cloud, double area, const Sphere& sphere) noexcept {
+    if (!(area > 0)) return 0;
+    const double squared = cloud.spread / area + (sphere.centre - cloud.mean).squaredNorm();
+    const double beyond = std::max(std::sqrt(squared) - sphere.radius, 0.0);
+    return area * beyond * beyond;
   }
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
@@ -92,11 +120,11 @@ class SqemMetric {
   double compactness_;
   double pivot_;  // 0 with a regulariser, which leaves no centre undetermined
   bool by_increase_;
-  std::vector<Region> regions_;         // by slot
-  std::vector<Sphere> spheres_;         // by slot; apart, as flips ask for centres alone
-  std::vector<Extents> extents_;        // by slot; apart, as few fits ask for them
-  std::vector<bool> pinned_;            // by slot; empty if none is
-  std::vector<Eigen::Vector3d> means_;  // by slot: of the region's weighted area; empty without compactness
+  std::vector<Region> regions_;   // by slot
+  std::vector<Sphere> spheres_;   // by slot; apart, as flips ask for centres alone
+  std::vector<Extents> extents_;  // by slot; apart, as few fits ask for them
+  std::vector<bool> pinned_;      // by slot; empty if none is
+  std::vector<Cloud> clouds_;     // by slot; empty without compactness
 };
 
 }  // namespace armature::sdk

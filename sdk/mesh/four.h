@@ -16,10 +16,15 @@ namespace armature::sdk {
 
 /// Four numbers side by side.
 using Four = double __attribute__((vector_size(32)));
-/// The same wherever they are in memory.
-using FourAnywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+/// The same wherever they are in memory. (Written behind the `=`, clang forgets the alignment of what is const.)
+using FourAnywhere [[gnu::aligned(8), gnu::may_alias]] = Four;
+
+/// Half as precise.
+using FourFloats = float __attribute__((vector_size(16)));
+using FourFloatsAnywhere = float __attribute__((vector_size(16), aligned(4), may_alias));
 
 /// Four rows of four become four columns.
+template <class Four>
 ARMATURE_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {
   const Four ab_low = __builtin_shufflevector(a, b, 0, 4, 2, 6);
   const Four ab_high = __builtin_shufflevector(a, b, 1, 5, 3, 7);

@@ -113,11 +113,27 @@ class HouseRules(unittest.TestCase):
     def test_paths_of_one_machine_are_found(self):
         self.assert_found("a path of one machine", planted={"tools/x.cpp": 'auto f = "/ho' + 'me/me/x";\n'})
 
+    def test_views_that_clang_rejects_are_found(self):
+        self.assert_found("sdk/x.cpp:1: a view", planted={"sdk/x.cpp": "v.erase(std::ranges::unique(v).begin());\n"})
+
     def test_types_of_one_name_are_found(self):
         one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"
         hidden = "namespace a::b {\nnamespace {\nstruct Fit {\n};\n}  // namespace\n}  // namespace a::b\n"
         self.assert_found("sdk/y.cpp:2: a::b::Fit is also the name of a type in sdk/x.cpp",
                           planted={"sdk/x.cpp": one, "sdk/y.cpp": one, "sdk/z.cpp": hidden})
+
+    def test_types_of_one_name_are_found_however_they_are_written(self):
+        for begun in ["class Fit final : public Base {", "struct alignas(64) Fit {", "class [[nodiscard]] Fit {",
+                      "enum Fit {", "enum class Fit : int {", "struct Fit : public Base,\n             Other {",
+                      "struct Fit\n    : public Base {"]:
+            other = f"namespace a {{\n{begun}\n}};\n}}  // namespace a\n"
+            self.assert_found("sdk/y.cpp:2: a::Fit is also the name of a type in sdk/x.cpp",
+                              planted={"sdk/x.cpp": "namespace a {\nstruct Fit {};\n}  // namespace a\n",
+                                       "sdk/y.cpp": other})
+
+    def test_types_that_are_only_named_are_no_types_of_one_name(self):
+        named = "namespace a {\nstruct Fit;\nenum class Kind : int;\nstruct Fit::Part {};\n}  // namespace a\n"
+        self.assertEqual([], list(house_rules.types_of(named)))
 
     def test_long_sources_and_readmes_are_found(self):
         self.assert_found("split it", planted={"tools/x.cpp": "\n" * 601})

@@ -8,6 +8,18 @@
 namespace armature::navproto {
 namespace {
 
+TEST(Allocation, OfAnAlignedTypeIsCounted) {
+  struct alignas(128) Wide {
+    char bytes[128];
+  };
+  const std::size_t before = test::allocations;
+  const auto one = std::make_unique<Wide>();
+  const auto some = std::make_unique<Wide[]>(3);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(one.get()) % 128, 0U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(some.get()) % 128, 0U);
+  EXPECT_EQ(test::allocations, before + 2);
+}
+
 TEST(Allocation, EncodingAllocatesNothingAfterTheFirstOfAKind) {
   Encoder encoder;
   const NavigationMessage navigation = sample::navigation();

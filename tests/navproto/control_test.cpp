@@ -53,6 +53,17 @@ TEST(Control, ARequestIsAnswered) {
   EXPECT_EQ(refused->error, "not asked to set");
 }
 
+TEST(Control, AClientMayAskForAsLongAsItListens) {
+  const TemporaryEndpoint endpoint;
+  auto server = ControlServer::bind(endpoint.uri());
+  ASSERT_TRUE(server);
+  const AnsweringServer answering(*std::move(server), [](const ControlRequest&) { return sample::reply(); });
+  auto client = ControlClient::connect(endpoint.uri());
+  ASSERT_TRUE(client);
+  // 100 KB of requests; 16 KiB without an answer would be too many.
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(client->request(sample::request(), kPatience)) << "request " << i;
+}
+
 TEST(Control, NoServerIsOneClearError) {
   const TemporaryEndpoint endpoint;
   auto client = ControlClient::connect(endpoint.uri());

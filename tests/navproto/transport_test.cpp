@@ -1,16 +1,10 @@
-#include <array>
-#include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <fstream>
 #include <thread>
 
 #include <armature/navproto/codec.h>
 #include <armature/navproto/endpoints.h>
-#include <armature/navproto/feed.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -339,36 +333,6 @@ TEST(Endpoint, WhatHasNoSiblingsIsRefused) {
   }
   EXPECT_FALSE(endpoints_of("ipc:///" + std::string(120, 'a')));
   EXPECT_TRUE(endpoints_of("ipc:///" + std::string(96, 'a')));
-}
-
-// By hand, as ZMTP 3.0 (RFC 23) has it: no subscriber of ours would.
-TEST(Transport, APeerThatAnnouncesAHugeMessageIsSentAway) {
-  const TemporaryEndpoint endpoint;
-  const auto publisher = Publisher::bind(endpoint.uri());
-  ASSERT_TRUE(publisher);
-  const auto feed = FeedPublisher::bind(endpoint.uri());
-  ASSERT_TRUE(feed);
-  for (const char* sibling : {"", ".skeleton", ".events", ".feed"}) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    const std::string path = endpoint.path().string() + sibling;
-    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-    const int peer = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    ASSERT_EQ(::connect(peer, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0) << path;
-    std::string said = std::string("\xff\0\0\0\0\0\0\0\x01\x7f\x03\0", 12) + "NULL";
-    said.resize(64);
-    const std::string ready = std::string("\x05READY\x0bSocket-Type\0\0\0\x03SUB", 25);
-    said += '\x04' + (static_cast<char>(ready.size()) + ready);
-    said += std::string("\x02\0\0\0\0\x01\0\0\0", 9);  // 16 MiB follow
-    ASSERT_EQ(::send(peer, said.data(), said.size(), MSG_NOSIGNAL), static_cast<ssize_t>(said.size()));
-    const timeval patience{.tv_sec = kPatience.count() / 1000, .tv_usec = 0};
-    ::setsockopt(peer, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    std::array<char, 256> heard{};
-    ssize_t got = 1;
-    while (got > 0) got = ::recv(peer, heard.data(), heard.size(), 0);
-    EXPECT_TRUE(got == 0 || errno == ECONNRESET) << path << ": is still waited for";
-    ::close(peer);
-  }
 }
 
 }  // namespace

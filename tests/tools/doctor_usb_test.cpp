@@ -30,6 +30,8 @@ Lines armature(const std::string& words) {
   };
   const std::string command = ARMATURE_BINARY_DIR "/bin/armature " + words + " --json 2>/dev/null";
   const std::unique_ptr<std::FILE, Close> pipe(::popen(command.c_str(), "r"));
+  EXPECT_TRUE(pipe) << command;
+  if (!pipe) return {};
   std::string printed;
   std::array<char, 4096> some{};
   for (std::size_t got = 1; got > 0;) {
@@ -102,11 +104,13 @@ TEST(Busy, AFileIsNamedByWhoHasItOpen) {
   const std::string node = folder.path() / "node";
   std::ofstream(node) << "somebody reads this";
   EXPECT_TRUE(who_has_open(node).empty());
-  // Says when it has it open, and lets go when its input ends.
+  // Says that it has it open, and goes on saying so until nobody listens.
   const auto close = [](std::FILE* pipe) { ::pclose(pipe); };
   const std::unique_ptr<std::FILE, decltype(close)> reader(
-      ::popen(("exec 3< '" + node + "'; : > '" + node + ".open'; read line").c_str(), "w"), close);
-  while (!std::filesystem::exists(node + ".open")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ::popen(("exec 3< '" + node + "'; while echo open; do :; done").c_str(), "r"), close);
+  ASSERT_TRUE(reader);
+  std::array<char, 16> line{};
+  ASSERT_NE(std::fgets(line.data(), line.size(), reader.get()), nullptr);
   const auto programs = who_has_open(node);
   ASSERT_EQ(programs.size(), 1U);
   EXPECT_EQ(programs.front().substr(0, 4), "sh (");

@@ -108,7 +108,7 @@ sdk::Mesh bent(sdk::Mesh mesh, double angle) {
   return mesh;
 }
 
-double area_of(const std::vector<double>& areas, std::span<const sdk::FaceId> faces) {
+double area_of(std::span<const double> areas, std::span<const sdk::FaceId> faces) {
   double sum = 0;
   for (const sdk::FaceId face : faces) sum += areas[face.index()];
   return sum;
@@ -232,6 +232,13 @@ sdk::VertexId farthest_vertex(const sdk::Mesh& mesh) {
   return sdk::VertexId(farthest - mesh.positions.begin());
 }
 
+double overlap_of(std::span<const double> areas, std::span<const sdk::FaceId> a, std::span<const sdk::FaceId> b) {
+  std::vector<sdk::FaceId> common;
+  std::ranges::set_intersection(a, b, std::back_inserter(common));
+  const double both = area_of(areas, common);
+  return both / (area_of(areas, a) + area_of(areas, b) - both);
+}
+
 PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expansion) {
   const std::vector<double> areas = sdk::face_areas(scene.mesh);
   const auto matches = expansion.first(scene.copies.size());
@@ -241,10 +248,7 @@ PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expan
   for (const sdk::Match& match : matches)
     for (std::size_t c = 0; c < scene.copies.size(); ++c) {
       const PlantedCopy& copy = scene.copies[c];
-      std::vector<sdk::FaceId> common;
-      std::ranges::set_intersection(match.faces, copy.faces, std::back_inserter(common));
-      const double both = area_of(areas, common);
-      const double overlap = both / (area_of(areas, match.faces) + area_of(areas, copy.faces) - both);
+      const double overlap = overlap_of(areas, match.faces, copy.faces);
       if (!(overlap > 0.5)) continue;
       found[c] = true;
       ++hits;

@@ -54,6 +54,10 @@ struct PlantOptions {
 /// The vertex that lies farthest from the middle of the bounding box.
 [[nodiscard]] sdk::VertexId farthest_vertex(const sdk::Mesh& mesh);
 
+/// Area of the intersection over that of the union of two sets of faces, ascending; `areas` by FaceId.
+[[nodiscard]] double overlap_of(std::span<const double> areas, std::span<const sdk::FaceId> a,
+                                std::span<const sdk::FaceId> b);
+
 /// How well an expansion finds what was planted. Of the first k matches, k being how many copies there are.
 struct PlantedQuality {
   double precision = 0;  ///< matches that share more than half with a copy, of k

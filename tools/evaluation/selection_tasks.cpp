@@ -10,6 +10,7 @@
 #include <armature/sdk/distance/mesh_tree.h>
 #include <armature/sdk/expansion/expand_part.h>
 #include <armature/sdk/expansion/patch_expansion.h>
+#include <armature/sdk/mesh/measures.h>
 #include <armature/sdk/selection/part_cut.h>
 #include <armature/sdk/selection/patch_brush.h>
 
@@ -28,10 +29,30 @@ struct Feature {
   std::function<double(const Vector2d&)> height;
 };
 
+/// How one feature comes to lie on another that is like it: mirrored across its first axis if at all, then turned.
+struct Symmetry {
+  double turn_rad = 0;
+  bool mirrored = false;
+  [[nodiscard]] Vector2d undone(const Vector2d& x) const {
+    const Vector2d back = Eigen::Rotation2Dd(-turn_rad) * x;
+    return {mirrored ? -back.x() : back.x(), back.y()};
+  }
+};
+
+/// What is round lies on itself however it is turned or mirrored.
+std::vector<Symmetry> of_round_things() {
+  constexpr int kTurns = 72;
+  std::vector<Symmetry> all;
+  for (int i = 0; i < kTurns; ++i)
+    for (const bool mirrored : {false, true}) all.push_back({2 * std::numbers::pi * i / kTurns, mirrored});
+  return all;
+}
+
 /// A ball with features, and which of its places belong to which.
 class Figure {
  public:
-  explicit Figure(std::vector<Feature> features) : features_(std::move(features)), ball_(icosphere(6)), mesh_(ball_) {
+  explicit Figure(std::vector<Feature> features)
+      : features_(std::move(features)), ball_(icosphere(6)), tree_(ball_), mesh_(ball_) {
     for (Vector3d& p : mesh_.positions) {
       double height = 0;
       for (const Feature& feature : features_) height = std::max(height, feature.height(place(feature, p)));
@@ -41,18 +62,19 @@ class Figure {
 
   [[nodiscard]] const sdk::Mesh& mesh() const { return mesh_; }
 
-  /// Faces about the first feature, carried to another, place by place; mirrored left to right or not.
+  /// Faces about the first feature, carried to another, place by place.
   [[nodiscard]] std::vector<sdk::FaceId> carried(const std::vector<sdk::FaceId>& faces, std::size_t to,
-                                                 bool mirrored) const {
-    const sdk::MeshTree tree(ball_);
+                                                 const Symmetry& by) const {
     const auto& [u, v, n] = axes(features_[0].towards);
     std::vector<sdk::FaceId> there;
     for (std::size_t f = 0; f < ball_.triangles.size(); ++f) {
       const sdk::FaceId face(f);
       const Vector3d middle = (ball_.corner(face, 0) + ball_.corner(face, 1) + ball_.corner(face, 2)) / 3;
       const Vector2d at = place(features_[to], middle);
-      const Vector3d here = (n + (mirrored ? -at.x() : at.x()) * u + at.y() * v).normalized();
-      if (at.norm() < 1 && std::ranges::binary_search(faces, tree.closest(here).face)) there.push_back(face);
+      if (!(at.norm() < 1)) continue;
+      const Vector2d from = by.undone(at);
+      const Vector3d here = (n + from.x() * u + from.y() * v).normalized();
+      if (std::ranges::binary_search(faces, tree_.closest(here).face)) there.push_back(face);
     }
     return there;
   }
@@ -93,6 +115,7 @@ class Figure {
 
   std::vector<Feature> features_;
   sdk::Mesh ball_;
+  sdk::MeshTree tree_;  // of that
   sdk::Mesh mesh_;
 };
 
@@ -104,11 +127,25 @@ auto bump(double width, double height, const Vector2d& at = Vector2d::Zero()) {
   return [=](const Vector2d& x) { return height * std::exp(-(x - at).squaredNorm() / (width * width)); };
 }
 
+/// The truth is the reference carried by a symmetry of what is looked for. Of several, which nothing tells apart, the
+/// one that a match comes closest to.
 SelectionTask task_of(std::string name, const Figure& figure, sdk::Expansion expansion,
-                      const std::vector<std::size_t>& others, bool mirrored = false) {
+                      const std::vector<std::size_t>& others, const std::vector<Symmetry>& symmetries) {
   PlantedScene scene{.mesh = figure.mesh(), .reference = expansion.reference(), .turns_known = false};
-  for (const std::size_t feature : others)
-    scene.copies.push_back({.faces = figure.carried(scene.reference, feature, mirrored), .mirrored = mirrored});
+  const std::vector<double> areas = sdk::face_areas(scene.mesh);
+  for (const std::size_t feature : others) {
+    PlantedCopy closest;
+    double most = -1;
+    for (const Symmetry& symmetry : symmetries) {
+      PlantedCopy copy{.faces = figure.carried(scene.reference, feature, symmetry), .mirrored = symmetry.mirrored};
+      for (const sdk::Match& match : expansion.first(others.size()))
+        if (const double overlap = overlap_of(areas, match.faces, copy.faces); overlap > most) {
+          most = overlap;
+          closest = copy;
+        }
+    }
+    scene.copies.push_back(std::move(closest));
+  }
   return {std::move(name), std::move(scene), std::move(expansion)};
 }
 
@@ -141,7 +178,7 @@ sdk::Expected<SelectionTask> legs_of_an_ant(const sdk::Task& task) {
   features.push_back({{-1, 0, 0.2}, bump(0.5, 0.8)});
   const Figure ant(std::move(features));
   return expand_stroke(ant, ant.stroke_across(0, 0.17), task).map([&](sdk::Expansion expansion) {
-    return task_of("six legs of an ant", ant, std::move(expansion), {1, 2, 3, 4, 5});
+    return task_of("six legs of an ant", ant, std::move(expansion), {1, 2, 3, 4, 5}, of_round_things());
   });
 }
 
@@ -161,7 +198,7 @@ sdk::Expected<SelectionTask> bumps_of_average_size(const sdk::Task& task) {
   const Figure ball(std::move(features));
   const sdk::PatchStrokes dab{.strokes = {{ball.point(0, {0, 0})}}, .radius = 0.5 * kMiddling};
   return expand_dabs(ball, dab, task).map([&](sdk::Expansion expansion) {
-    return task_of("bumps of average size", ball, std::move(expansion), others);
+    return task_of("bumps of average size", ball, std::move(expansion), others, of_round_things());
   });
 }
 
@@ -182,7 +219,7 @@ sdk::Expected<SelectionTask> eyes_of_a_face(const sdk::Task& task) {
   const Figure face(std::move(features));
   const sdk::PatchStrokes dab{.strokes = {{face.point(0, {-0.05, 0}), face.point(0, {0.05, 0})}}, .radius = 0.08};
   return expand_dabs(face, dab, task).map([&](sdk::Expansion expansion) {
-    return task_of("two eyes", face, std::move(expansion), {1}, true);
+    return task_of("two eyes", face, std::move(expansion), {1}, {{.mirrored = true}});
   });
 }
 
@@ -196,7 +233,9 @@ sdk::Expected<SelectionTask> hands_of_a_figure(const sdk::Task& task) {
   features.push_back({{0, 0, 1}, limb(0.4, 0.6)});
   const Figure figure(std::move(features));
   return expand_stroke(figure, figure.stroke_across(0, 0.2), task).map([&](sdk::Expansion expansion) {
-    return task_of("two hands", figure, std::move(expansion), {1}, true);
+    // Upper side and lower side are alike.
+    return task_of("two hands", figure, std::move(expansion), {1},
+                   {{.mirrored = true}, {.turn_rad = std::numbers::pi}});
   });
 }
 

@@ -23,7 +23,7 @@ std::vector<std::uint32_t> cells_of(const sdk::Mesh& mesh, std::size_t cells) {
   }
   std::vector<std::uint64_t> occupied = keys;
   std::ranges::sort(occupied);
-  occupied.erase(std::ranges::unique(occupied).begin(), occupied.end());
+  occupied.erase(std::unique(occupied.begin(), occupied.end()), occupied.end());
   std::vector<std::uint32_t> numbers;
   numbers.reserve(keys.size());
   for (const std::uint64_t key : keys)
@@ -55,11 +55,12 @@ CoarseMesh coarse_mesh(const sdk::Mesh& mesh, std::size_t cells) {
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) corners[k] = cell[mesh.triangles[f][k].index()];
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     kept.push_back({corners, static_cast<std::uint32_t>(f)});
   }
   std::ranges::stable_sort(kept, {}, &Kept::corners);
-  kept.erase(std::ranges::unique(kept, {}, &Kept::corners).begin(), kept.end());
+  const auto alike = [](const Kept& a, const Kept& b) { return a.corners == b.corners; };
+  kept.erase(std::unique(kept.begin(), kept.end(), alike), kept.end());
   for (const auto& [corners, face] : kept) {
     coarse.mesh.triangles.push_back({sdk::VertexId(corners[0]), sdk::VertexId(corners[1]), sdk::VertexId(corners[2])});
     coarse.source.emplace_back(face);

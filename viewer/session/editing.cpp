@@ -114,7 +114,7 @@ std::vector<sdk::VertexId> vertices_of(const sdk::Mesh& mesh, std::span<const sd
   for (const sdk::FaceId face : faces)
     for (const sdk::VertexId vertex : mesh.triangle(face)) vertices.push_back(vertex);
   std::ranges::sort(vertices);
-  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
 }
 

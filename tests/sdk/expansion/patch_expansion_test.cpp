@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <stop_token>
 #include <string_view>
 
@@ -157,6 +158,38 @@ TEST(PatchExpansion, FindsTheLikesOfABump) {
   }
   EXPECT_LT(expansion->first(3)[2].score, expansion->first(2)[1].score - 0.1);
   for (const Rejected& rejected : expansion->rejected()) EXPECT_FALSE(rejected.reason.empty());
+}
+
+TEST(PatchExpansion, SaysWhereAnotherTurnFitsAsWell) {
+  const Mesh mesh = table_with_bumps();
+  const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.2, {-0.5, -0.5}));
+  ASSERT_TRUE(expansion);
+  ASSERT_GE(expansion->size(), 1);
+  EXPECT_NE(expansion->first(1)[0].reason.find("turned otherwise"), std::string::npos);  // the bump is round
+}
+
+TEST(PatchExpansion, TellsAHalfTurnInNoise) {
+  // A ridge with a knob towards one end, and the same half turned; noise of up to 2 % of the patch's radius.
+  std::mt19937 random(1);
+  const Mesh mesh = surfaces::over({70, 70, false, false, 0}, [&](double i, double j) {
+    const Vector3d p(2 * i - 1, 2 * j - 1, 0);
+    double z = 0;
+    for (const double side : {-1.0, 1.0}) {
+      const double x = side * (p.x() - 0.5 * side);
+      const double y = side * p.y();
+      z += 0.15 * std::exp(-std::pow(x / 0.2, 2) - std::pow(y / 0.1, 2));
+      z += 0.06 * std::exp(-(std::pow(x - 0.12, 2) + y * y) / 0.005);
+    }
+    const double noise = 0.006 * (static_cast<double>(random()) / 2147483648.0 - 1);
+    return Vector3d(p.x(), p.y(), z + noise);
+  });
+  const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.3, {-0.5, 0}));
+  ASSERT_TRUE(expansion);
+  ASSERT_GE(expansion->size(), 1);
+  const Match& match = expansion->first(1)[0];
+  EXPECT_FALSE(match.mirrored);
+  EXPECT_LT(linear(match)(0, 0), -0.9);
+  EXPECT_LT(linear(match)(1, 1), -0.9);
 }
 
 TEST(PatchExpansion, AsksOneMeshWithAPatchOfAnother) {

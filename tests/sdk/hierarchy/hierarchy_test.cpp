@@ -9,6 +9,7 @@
 #include <armature/sdk/io/read_mesh.h>
 #include <gtest/gtest.h>
 
+#include "tests/sdk/deformation/tubes.h"
 #include "tests/sdk/hierarchy/shapes.h"
 #include "tests/sdk/mesh/surfaces.h"
 
@@ -306,6 +307,57 @@ TEST(Build, IsTheSameHoweverTheModelIsTurned) {
     EXPECT_NEAR(errors->hausdorff / expected->hausdorff, 1, 0.05);
     EXPECT_NEAR(errors->mean_input_to_approximation / expected->mean_input_to_approximation, 1, 0.05);
     EXPECT_NEAR(errors->mean_approximation_to_input / expected->mean_approximation_to_input, 1, 0.05);
+  }
+}
+
+/// How far the vertices of a sphere reach along x, in the mean over the spheres of a level.
+double mean_length(const Mesh& mesh, const Hierarchy& hierarchy, std::size_t spheres) {
+  double sum = 0;
+  for (const NodeId node : hierarchy.nodes_of_level(spheres)) {
+    const auto own = hierarchy.vertices(node);
+    const auto [least, most] = std::ranges::minmax(own, {}, [&](VertexId v) { return mesh.position(v).x(); });
+    sum += mesh.position(most).x() - mesh.position(least).x();
+  }
+  return sum / static_cast<double>(spheres);
+}
+
+TEST(Build, CutsAStraightTubeAcross) {
+  // With half a ball on either end, 12 long between them.
+  const Mesh tube = tubes::tube(12, 1, 0, 48, 160);
+  const auto across = build_hierarchy(tube);
+  const auto along = build_hierarchy(tube, {.compactness = 0});
+  ASSERT_TRUE(across && along);
+  EXPECT_GT(across->statistics.compactness, 0);
+  EXPECT_EQ(along->statistics.compactness, 0);
+  for (const std::size_t spheres : {6, 10, 20})
+    EXPECT_LT(mean_length(tube, across->hierarchy, spheres), 0.6 * mean_length(tube, along->hierarchy, spheres))
+        << spheres;
+  // It does not depend on how far it goes.
+  const auto ends_before = build_hierarchy(tube, {.stop_at = 300});
+  ASSERT_TRUE(ends_before);
+  EXPECT_EQ(ends_before->statistics.compactness, across->statistics.compactness);
+  EXPECT_EQ(ends_before->hierarchy.min_spheres(), 300U);
+}
+
+TEST(Build, LeavesWhatIsNotStraightAsItIs) {
+  const Mesh mesh = surfaces::torus(3, 1);
+  for (const std::size_t stop_at : {1U, 100U}) {
+    const auto found = build_hierarchy(mesh, {.stop_at = stop_at});
+    const auto given = build_hierarchy(mesh, {.compactness = 0, .stop_at = stop_at});
+    ASSERT_TRUE(found && given);
+    EXPECT_EQ(found->statistics.compactness, 0);
+    EXPECT_EQ(found->statistics.collapses, given->statistics.collapses);
+    ASSERT_EQ(found->hierarchy.min_spheres(), stop_at);
+    for (const std::size_t spheres : {std::size_t{100}, std::size_t{400}}) {
+      const auto a = found->hierarchy.level(spheres), b = given->hierarchy.level(spheres);
+      ASSERT_TRUE(a && b);
+      EXPECT_EQ(a->triangles, b->triangles);
+      EXPECT_EQ(a->edges, b->edges);
+      for (std::size_t i = 0; i < spheres; ++i) {
+        EXPECT_EQ(a->spheres[i].centre, b->spheres[i].centre);
+        EXPECT_EQ(a->spheres[i].radius, b->spheres[i].radius);
+      }
+    }
   }
 }
 

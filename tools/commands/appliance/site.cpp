@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "firmware_host/control/usb.h"
@@ -27,7 +28,8 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMostKept = 90;  // frames for the background
 constexpr auto kPatience = 500ms;
 constexpr int kMostSilences = 20;  // before the first frame: 10 s
-constexpr double kUnevenDegrees = 5;
+constexpr float kUnevenDegrees = 5;
+constexpr float kDegrees = 180 / std::numbers::pi_v<float>;
 
 void store_background(const std::string& file, std::span<const DepthFrame> frames, Findings& findings) {
   const StoredBackground background = median_of(frames);
@@ -39,8 +41,8 @@ void store_background(const std::string& file, std::span<const DepthFrame> frame
                             100 * static_cast<double>(known) / static_cast<double>(background.depth_mm.size()), file));
 }
 
-/// How far the Kinect that `source` names looks down, degrees, as its accelerometer feels it.
-std::optional<double> tilt_by_gravity(std::string_view source) {
+/// Which way is up for the Kinect that `source` names, as its accelerometer feels it: unit, camera frame.
+std::optional<Eigen::Vector3f> up_by_gravity(std::string_view source) {
   constexpr std::string_view kKinect = "freenect:";
   if (!source.starts_with(kKinect)) return std::nullopt;
   source.remove_prefix(kKinect.size());
@@ -50,15 +52,23 @@ std::optional<double> tilt_by_gravity(std::string_view source) {
   if (!motor) return std::nullopt;
   const auto posture = (*motor)->posture();
   if (!posture) return std::nullopt;
-  const auto& up = posture->up_m_s2;
-  return std::atan2(-up[2], -up[1]) * 180 / std::numbers::pi;
+  return Eigen::Map<const Eigen::Vector3d>(posture->up_m_s2.data()).cast<float>().normalized();
 }
 
-std::string looks(double degrees) {
+/// How far a sensor that feels or sees `up` so looks down, degrees.
+float tilt_deg(const Eigen::Vector3f& up) {
+  return std::atan2(-up.z(), -up.y()) * kDegrees;
+}
+
+std::string looks(float degrees) {
   return fmt::format("looks {} by {:.0f} degrees", degrees < 0 ? "up" : "down", std::abs(degrees));
 }
 
 }  // namespace
+
+float degrees_between(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
+}
 
 void look_at_site(const SiteOptions& options, Findings& findings) {
   auto source = open_source(options.source);
@@ -105,16 +115,21 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
         "somebody is in view, or a thing like a person: for commissioning nobody should be; what is in view is "
         "background from now on");
   if (!kept.empty()) store_background(options.background, kept, findings);
-  const std::optional<double> by_gravity = tilt_by_gravity(options.source);
-  if (by_gravity) findings.note("gravity", "by its accelerometer the sensor " + looks(*by_gravity));
+  const std::optional<Eigen::Vector3f> by_gravity = up_by_gravity(options.source);
+  if (by_gravity) findings.note("gravity", "by its accelerometer the sensor " + looks(tilt_deg(*by_gravity)));
   if (with_floor < std::max(1, frames / 2)) {
     return findings.bad("floor", fmt::format("seen in {} of {} frames", with_floor, frames),
                         "tilt the sensor down until the floor two metres before it is in view");
   }
   const Eigen::Vector3f up = floor.normal;
-  const float degrees = 180 / std::numbers::pi_v<float>;
-  const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * degrees;
-  const float roll = std::atan2(up.x(), -up.y()) * degrees;
+  if (by_gravity && degrees_between(*by_gravity, up) > kUnevenDegrees)
+    return findings.bad("gravity",
+                        fmt::format("what looks like the floor is not level: it leans by {:.0f} degrees",
+                                    degrees_between(*by_gravity, up)),
+                        "a ramp or a table is taken for the floor: clear it, or tilt the sensor until the floor is in "
+                        "view");
+  const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * kDegrees;
+  const float roll = std::atan2(up.x(), -up.y()) * kDegrees;
   const std::string stands =
       fmt::format("{:.2f} m above the floor, {}, rolled by {:.0f}", floor.offset, looks(tilt), roll);
   if (std::abs(roll) > 5)
@@ -123,9 +138,6 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
     findings.bad("stand", stands, "0.6 to 2.2 m high and tilted by at most 30 degrees see people best");
   else
     findings.good("stand", stands);
-  if (by_gravity && std::abs(*by_gravity - tilt) > kUnevenDegrees)
-    findings.bad("gravity", "what looks like the floor is not level: above it the sensor " + looks(tilt),
-                 "a ramp or a table is taken for the floor: clear it, or tilt the sensor until the floor is in view");
   // How far the floor is free: the nearest thing above it within a metre of the middle.
   const Intrinsics& k = frame.intrinsics;
   float free_to = 9;

@@ -152,7 +152,7 @@ class DeformBench {
     const double dual = time(sdk::Blend::DualQuaternions);
     sdk::SkinnedLevel level(skin, *hierarchy_.level(options_.spheres), mesh_);
     const double kept =
-        fastest(5 * options_.rounds, [&] { level.move(turns, sdk::Blend::DualQuaternions, out, sdk::Volume::Kept); });
+        fastest(5 * options_.rounds, [&] { level.move(turns, sdk::Blend::DualQuaternions, out, sdk::Volume::KeptByTurns); });
     level.move(motions, sdk::Blend::DualQuaternions, out);
     const sdk::Refit refit(mesh_, hierarchy_);
     const double refit_ms = fastest(5 * options_.rounds, [&] { (void)refit.fit(nodes, out); });

@@ -161,7 +161,7 @@ struct Job {
     for (const sdk::FaceId face : found.reference())
       for (const sdk::VertexId v : surface.mesh.triangle(face)) vertices.push_back(v);
     std::ranges::sort(vertices);
-    vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     const auto unlike = sdk::dissimilarities(**descriptor, vertices, task);
     if (!unlike) return tl::unexpected(unlike.error());
     return sdk::edit_weights(sdk::similarity_map(*unlike, arguments.share), {arguments.from, arguments.to});

@@ -43,7 +43,7 @@ Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, c
   sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
   result.importance = options.importance.value_or(result.importance);
   result.regularise = options.regularise.value_or(result.regularise);
-  result.compactness = options.compactness.value_or(result.compactness);
+  if (options.compactness) result.compactness = options.compactness;
   result.enrichment = options.enrichment;
   result.keep_topology = options.keep_topology;
   if (!options.pins.empty()) {
@@ -156,6 +156,7 @@ Expected<void> build(const BuildOptions& options) {
                                     {"decimate_ms", number(took.decimate_ms)},
                                     {"refine_ms", number(refine_ms)},
                                     {"collapses", took.collapses},
+                                    {"compactness", number(took.compactness)},
                                     {"peak_mb", number(peak_memory_mb())}});
   }
   std::printf("%s\n", fmt::format("{}: {} spheres, {} wire edges, {} triangles", options.out, shape->spheres.size(),
@@ -196,8 +197,8 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   command
       ->add_option(
           "--compactness", options->compactness,
-          "join regions that lie close together first: 0.05 cuts straight tubes across, as bends want it, not along "
-          "(default: 0)")
+          "join regions that lie close together first: 0.01 cuts straight tubes across, as bends want it, not along "
+          "(default: 0.01 for meshes that would be cut along in large part, else 0)")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh")
       ->excludes(enrich);

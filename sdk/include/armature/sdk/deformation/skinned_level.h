@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,13 +14,22 @@
 namespace armature::sdk {
 
 /// What becomes of the volume of a closed mesh where turns blend.
-enum class Volume : std::uint8_t { Free, Kept };
+enum class Volume : std::uint8_t {
+  Free,
+  KeptByTurns,  ///< kept where spheres only turn
+  Kept,         ///< kept unless radii swell: for motions that are several turns, one after the other
+};
+
+class KeptVolume;
 
 /// A level of spheres and the mesh that it moves.
 class SkinnedLevel {
  public:
   /// `mesh` as it lies while no sphere has moved, with the spheres where they then are.
   SkinnedLevel(SkinWeights weights, SphereMesh shape, Mesh mesh);
+  SkinnedLevel(SkinnedLevel&&) noexcept;
+  SkinnedLevel& operator=(SkinnedLevel&&) noexcept;
+  ~SkinnedLevel();
 
   [[nodiscard]] const SkinWeights& weights() const noexcept { return weights_; }  ///< of its spheres
   [[nodiscard]] const SphereMesh& shape() const noexcept { return shape_; }       ///< while nothing has moved
@@ -30,10 +39,10 @@ class SkinnedLevel {
   /// by what they swell, less where it lies further in: a tube becomes thicker, not longer. Then comes `skin()`. The
   /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
   ///
-  /// With `Volume::Kept` and dual quaternions, a closed mesh has the volume afterwards that it had, as far as that
+  /// With dual quaternions and a volume to keep, a closed mesh has the volume afterwards that it had, as far as that
   /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most half of the
-  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. So where every sphere turns
-  /// about some axis, wherever that is, or stays; what shifts, screws, stretches or swells means to change the volume.
+  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. `Volume::KeptByTurns` does
+  /// so where spheres `only_turn()`; what shifts, screws, stretches or swells means to change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
             Volume volume = Volume::Free);
 
@@ -45,20 +54,13 @@ class SkinnedLevel {
 
  private:
   void find_outward(const WeightColumn& column);
-  void move_keeping_volume(std::span<const SphereMotion> motions, std::span<Eigen::Vector3d> out);
 
   SkinWeights weights_;
   SphereMesh shape_;
   Mesh mesh_;
   std::vector<Eigen::Vector3d> outward_;  // by vertex: where it goes when its sphere swells by 1; empty or found
   std::vector<bool> found_;
-  std::optional<bool> closed_;  // once a volume was to be kept, as the rest
-  struct AtRest {
-    std::vector<Eigen::Vector3d> outward;  // by vertex, as long as spheres are wide
-    double six_volumes;
-  };
-  std::optional<AtRest> at_rest_;
-  std::vector<Eigen::Vector3d> directions_;  // of the last move that kept it: kept for its room
+  std::unique_ptr<KeptVolume> kept_;  // once a volume was to be kept
 };
 
 }  // namespace armature::sdk

@@ -26,19 +26,24 @@ struct SphereMotion {
   [[nodiscard]] bool moves_nothing() const noexcept {
     return before.centre == after.centre && scale == 1 && turn.vec().isZero(0);
   }
-  /// Whether it has turned about some axis, if anything: it may have been shifted across that axis, not along.
-  [[nodiscard]] bool only_turns() const noexcept {
-    constexpr double kRounding = 1e-6;
+  /// Whether it has turned about some axis, no farther than `reach` away, if anything: a shift across the axis moves
+  /// the axis only, but one that would need it far away is a pull.
+  [[nodiscard]] bool only_turns(double reach) const noexcept {
     const Eigen::Vector3d shift = after.centre - before.centre;
-    const double sine = turn.vec().norm();
+    const double rounding = 1e-6 * (shift.norm() + before.radius);
+    const double sine = turn.vec().norm();  // of half the angle
     const double along = sine > 0 ? std::abs(shift.dot(turn.vec())) / sine : shift.norm();
-    return scale == 1 && after.radius == before.radius && along <= kRounding * (shift.norm() + before.radius);
+    return scale == 1 && after.radius == before.radius && along <= rounding &&
+           shift.norm() <= 2 * sine * reach + rounding;
   }
   /// How much its radius has grown beyond what was scaled, in lengths before the scaling.
   [[nodiscard]] double swelling() const noexcept {
     return after.radius == scale * before.radius ? 0 : after.radius / scale - before.radius;
   }
 };
+
+/// Whether each sphere stays or turns about some axis no farther away than all of them are long.
+[[nodiscard]] bool only_turn(std::span<const SphereMotion> motions);
 
 /// How the motions of several spheres become the one of a vertex.
 enum class Blend : std::uint8_t {

@@ -13,7 +13,7 @@ namespace armature::sdk {
 
 /// What counts as like a patch.
 struct PatchExpansionOptions {
-  std::size_t most = 64;             ///< candidates whose extent is found; the best of eight times as many by contexts
+  std::size_t most = 64;             ///< candidates that are looked at: the likeliest by contexts
   std::vector<double> scales = {1};  ///< sizes that are looked for, against the reference; each between 1/8 and 8
   bool mirrored = true;              ///< whether mirror images count
 };
@@ -24,14 +24,14 @@ struct PatchExpansionTimes {
   double learn_ms = 0;              ///< what is asked about the reference once
   double matches_ms = 0;            ///< registration and extent of all candidates
   double matches_processor_ms = 0;  ///< the same as processor time of the whole process, on all cores together
-  std::size_t candidates = 0;       ///< how many were looked at closely
+  std::size_t candidates = 0;       ///< how many were looked at
 };
 
 /// Finds the regions of a surface that are like a patch (thesis, section 5.4.3): maxima of the similarity map, laid
-/// onto the reference by its relief around its mean normal and by iterated closest points: roughly all of them, then
-/// those closely that lie best; a face belongs to a match
-/// where it comes to lie on a face of the reference. A match is connected. Its score is the mean of the similarity of
-/// contexts and of how well the surfaces lie on one another. Uses all cores; the same on any number of them. Refused
+/// onto the reference by its relief around its mean normal, its second moments and iterated closest points; a face
+/// belongs to a match where it comes to lie on a face of the reference. A match is connected. Its score is the mean of
+/// the similarity of contexts and of how well the surfaces lie on one another; its reason says where it would lie
+/// nearly as well turned otherwise or mirrored. Uses all cores; the same on any number of them. Refused
 /// where `patch_ball()` refuses.
 [[nodiscard]] Expected<Expansion> expand_patch(const Surface& surface, std::span<const FaceId> patch,
                                                const PatchExpansionOptions& options = {}, const Task& task = {},

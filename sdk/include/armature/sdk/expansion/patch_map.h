@@ -41,7 +41,8 @@ class PatchContexts {
   /// The context of a vertex; zeros for one on no face.
   [[nodiscard]] Histogram of(VertexId vertex) const;
   /// The similarity map: 1 - chi-square between every vertex's context and another, by VertexId, in [0, 1]; 0 for a
-  /// vertex on no face. Takes time in proportion to the vertices in all balls.
+  /// vertex on no face. Before that every bin is spread over its neighbours by 1/4, 1/2, 1/4 in either direction, since
+  /// noise carries points over the edges of bins. Takes time in proportion to the vertices in all balls.
   [[nodiscard]] Expected<std::vector<float>> similarity_to(std::span<const float> context, const Task& task = {}) const;
 
  private:
