@@ -145,6 +145,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
     s.navigator.start_over();  // a rest pose is one of standing still and facing the sensor
   }
   const bool rest_known = rest.rest().has_value();
+  s.joints.keep_build(rest_known);
   out.state = s.engagement.update({out.tracking, facing, rest_known, rest.progress()});
   out.user = s.engagement.user();
   if (out.tracking) s.filter.filter(out.skeleton, time);  // motions have their own: two in a row would only be late

@@ -50,8 +50,10 @@ Expected<void> train(const TrainArguments& arguments, Ranks& ranks) {
     correction.network.seed = options.seed;
     ProgressBar bar({.title = "learning to correct joints"});
     // Images that the trees have not seen.
-    forest = learn_correction(
-        *forest, [&](int i) { return image(options.image_count + i); }, correction, bar.callback(), interrupt.token());
+    const auto person = [&](int i) {
+      return synthetic_person(training_seed(options.seed, static_cast<std::uint64_t>(options.image_count + i)));
+    };
+    forest = learn_correction(*forest, person, correction, bar.callback(), interrupt.token());
     if (!forest && interrupt.requested()) {
       return fail("training was interrupted; --resume goes on from " + options.checkpoint.string());
     }

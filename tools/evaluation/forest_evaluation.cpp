@@ -76,13 +76,24 @@ Expected<void> evaluate_on_recordings(const std::shared_ptr<const Forest>& fores
   return {};
 }
 
+TrainingImage training_image(const LabelledImage& labelled) {
+  return {labelled.intrinsics, labelled.depth_mm, labelled.user, labelled.part, labelled.joints};
+}
+
 }  // namespace
 
 TrainingImage synthetic_image(std::uint64_t seed) {
   thread_local TrainingSampler sampler{TrainingOptions{}};
   thread_local LabelledImage labelled;
   sampler.sample(seed, labelled);
-  return {labelled.intrinsics, labelled.depth_mm, labelled.user, labelled.part, labelled.joints};
+  return training_image(labelled);
+}
+
+PersonTwice synthetic_person(std::uint64_t seed) {
+  thread_local TrainingSampler sampler{TrainingOptions{}};
+  thread_local LabelledImage labelled, at_rest;
+  sampler.sample(seed, labelled, &at_rest);
+  return {training_image(labelled), training_image(at_rest)};
 }
 
 Expected<void> evaluate_forest(const EvaluationOptions& options, bool json) {

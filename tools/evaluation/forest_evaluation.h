@@ -7,6 +7,7 @@
 #include "firmware_host/error.h"
 #include "tools/evaluation/scene_evaluation.h"
 #include "tracker/forest/trainer.h"
+#include "tracker/joints/correction_trainer.h"
 #include "tracker/synth/random.h"
 
 namespace armature::tools {
@@ -29,6 +30,8 @@ struct EvaluationOptions {
 
 /// A synthetic person of the domain that forests are trained on.
 [[nodiscard]] TrainingImage synthetic_image(std::uint64_t seed);
+/// The same one, and once more at rest.
+[[nodiscard]] PersonTwice synthetic_person(std::uint64_t seed);
 
 /// Prints how well a model does on the frozen scenes and on real people, beside just the paper: tables for people, or
 /// one JSON object for each kind of data and system.

@@ -6,6 +6,7 @@
 
 #include "tools/evaluation/statistics.h"
 #include "tools/evaluation/utd_sequence.h"
+#include "tracker/joints/skeleton_filter.h"
 #include "tracker/motions/receptors.h"
 
 namespace armature::tools {
@@ -16,6 +17,7 @@ constexpr std::array kActions = {1, 2, 3, 4, 22, 23, 26, 27};
 constexpr float kNear_m = 0.15F;
 constexpr double kMinSpan_rad = 10 * std::numbers::pi / 180;
 constexpr std::size_t kRestFrames = 3;
+constexpr std::chrono::nanoseconds kFrameTime = std::chrono::nanoseconds(std::chrono::seconds(1)) / 30;
 
 /// What the SDK calls the navigation joints.
 constexpr std::array<SdkJoint, kJoints> kSdkNames = {
@@ -43,6 +45,15 @@ std::vector<Skeleton> delayed(const std::vector<Skeleton>& frames) {
     late[t].user_position = 0.5F * (one.user_position + two.user_position);
   }
   return late;
+}
+
+/// As it would be published.
+std::vector<Skeleton> filtered(const std::vector<Skeleton>& frames) {
+  std::vector<Skeleton> calm = frames;
+  SkeletonFilter filter;
+  std::chrono::nanoseconds time{0};
+  for (Skeleton& frame : calm) filter.filter(frame, time += kFrameTime);
+  return calm;
 }
 
 /// The mean of the first frames.
@@ -156,7 +167,7 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
   const auto names = list_utd_sequences(folder);
   if (!names) return tl::unexpected(names.error());
   RealEvaluation result;
-  Agreement as_is, late;
+  Agreement as_is, late, calm, calm_late;
   std::vector<double> frame_us;
   std::size_t tracked = 0, observed = 0;
   for (std::size_t i = 0; i < names->size(); ++i) {
@@ -190,6 +201,9 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
     const AngleComparison angles = compare_angles(ours, sdk), angles_later = compare_angles(ours, sdk_later);
     const double median_m = as_is.add(ours, sdk, angles);
     late.add(ours, sdk_later, angles_later);
+    const std::vector<Skeleton> published = filtered(ours);
+    calm.add(published, sdk, compare_angles(published, sdk));
+    calm_late.add(published, sdk_later, compare_angles(published, sdk_later));
     result.sequences.push_back({.name = sequence->name,
                                 .frames = static_cast<int>(ours.size()),
                                 .median_m = median_m,
@@ -204,6 +218,8 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
   result.joints_observed = static_cast<double>(observed) / (result.frames * static_cast<double>(kJoints));
   result.as_is = as_is.result();
   result.delayed = late.result();
+  result.filtered = calm.result();
+  result.filtered_delayed = calm_late.result();
   result.p50_us = percentile(frame_us, 50);
   result.p99_us = percentile(frame_us, 99);
   return result;

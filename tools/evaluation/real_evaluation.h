@@ -52,8 +52,9 @@ struct RealEvaluation {
   double frames_tracked = 0;   ///< share with every navigation joint observed or inferred
   double joints_observed = 0;  ///< share of navigation joints
   RealAgreement as_is;
-  RealAgreement delayed;          ///< the SDK's joints 1.5 frames later, which is when the depth shows what they say
-  double p50_us = 0, p99_us = 0;  ///< forest and joints, a frame
+  RealAgreement delayed;  ///< the SDK's joints 1.5 frames later, which is when the depth shows what they say
+  RealAgreement filtered, filtered_delayed;  ///< the same of the skeleton that is published: through SkeletonFilter
+  double p50_us = 0, p99_us = 0;             ///< forest and joints, a frame
 };
 
 /// Joints of a person whose pixels are known, whoever finds them.

@@ -1,7 +1,9 @@
 #include "tools/evaluation/real_report.h"
 
+#include <array>
 #include <cstdio>
 #include <numbers>
+#include <span>
 
 #include "tools/evaluation/chart.h"
 #include "tools/output_file.h"
@@ -46,7 +48,9 @@ Json to_json(const RealEvaluation& real, const char* system) {
           {"joints_observed", number(real.joints_observed)},
           {"frame_us", {{"p50", number(real.p50_us)}, {"p99", number(real.p99_us)}}},
           {"as_is", to_json(real.as_is)},
-          {"sdk_delayed", to_json(real.delayed)}};
+          {"sdk_delayed", to_json(real.delayed)},
+          {"filtered", to_json(real.filtered)},
+          {"filtered_sdk_delayed", to_json(real.filtered_delayed)}};
 }
 
 Json to_json(const SequenceAgreement& sequence, const char* system) {
@@ -65,11 +69,18 @@ Json to_json(const SequenceAgreement& sequence, const char* system) {
           {"motions", motions}};
 }
 
-void print_deviation(const std::string& title, const JointDeviation& a, const JointDeviation& b,
-                     const JointDeviation& c, const JointDeviation& d) {
+/// What is printed beside one another.
+struct Column {
+  const char* title;
+  const RealAgreement& agreement;
+};
+
+template <class Of>
+void print_deviation(const std::string& title, std::span<const Column> columns, const Of& deviation_of) {
   std::printf("  %-18s", title.c_str());
-  for (const JointDeviation* one : {&a, &b, &c, &d}) {
-    std::printf("   %6.2f /%6.2f", kCentimetres * one->median_m, kCentimetres * one->p90_m);
+  for (const Column& column : columns) {
+    const JointDeviation d = deviation_of(column.agreement);
+    std::printf("   %6.2f /%6.2f", kCentimetres * d.median_m, kCentimetres * d.p90_m);
   }
   std::printf("\n");
 }
@@ -84,22 +95,35 @@ void print_real(const RealComparison& real) {
       "  forest and joints, ms a frame: p50 %.2f p99 %.2f (paper: p50 %.2f p99 %.2f)\n",
       ours.sequences.size(), ours.frames, ours.frames_tracked, paper.frames_tracked, ours.joints_observed,
       paper.joints_observed, ours.p50_us / 1000, ours.p99_us / 1000, paper.p50_us / 1000, paper.p99_us / 1000);
-  std::printf("  %-18s%17s%17s%17s%17s\n", "", "ours as is", "SDK delayed", "paper as is", "SDK delayed");
-  std::printf("  %-18s%17s%17s%17s%17s\n", "deviation, cm", "p50 /  p90", "p50 /  p90", "p50 /  p90", "p50 /  p90");
+  const std::array<Column, 6> columns = {{{"ours as is", ours.as_is},
+                                          {"SDK delayed", ours.delayed},
+                                          {"ours filtered", ours.filtered},
+                                          {"SDK delayed", ours.filtered_delayed},
+                                          {"paper as is", paper.as_is},
+                                          {"SDK delayed", paper.delayed}}};
+  const auto head = [&](const char* row, const auto& cell) {
+    std::printf("  %-18s", row);
+    for (const Column& column : columns) std::printf("%17s", cell(column));
+  };
+  head("", [](const Column& column) { return column.title; });
+  std::printf("\n");
+  head("deviation, cm", [](const Column&) { return "p50 /  p90"; });
+  std::printf("\n");
   for (std::size_t j = 0; j < kNavigationJoints.size(); ++j) {
-    print_deviation(name(kNavigationJoints[j]), ours.as_is.joints[j], ours.delayed.joints[j], paper.as_is.joints[j],
-                    paper.delayed.joints[j]);
+    print_deviation(name(kNavigationJoints[j]), columns, [j](const RealAgreement& a) { return a.joints[j]; });
   }
-  print_deviation("knees", ours.as_is.knees, ours.delayed.knees, paper.as_is.knees, paper.delayed.knees);
-  print_deviation("all", ours.as_is.all, ours.delayed.all, paper.as_is.all, paper.delayed.all);
-  std::printf("  %-18s%17.3f%17.3f%17.3f%17.3f\n", "within 15 cm", ours.as_is.within_15_cm, ours.delayed.within_15_cm,
-              paper.as_is.within_15_cm, paper.delayed.within_15_cm);
-  std::printf("  %-18s%17s%17s%17s%17s   sequences\n", "correlation", "mean / median", "mean / median", "mean / median",
-              "mean / median");
+  print_deviation("knees", columns, [](const RealAgreement& a) { return a.knees; });
+  print_deviation("all", columns, [](const RealAgreement& a) { return a.all; });
+  std::printf("  %-18s", "within 15 cm");
+  for (const Column& column : columns) std::printf("%17.3f", column.agreement.within_15_cm);
+  std::printf("\n");
+  head("correlation", [](const Column&) { return "mean / median"; });
+  std::printf("   sequences\n");
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     std::printf("  %-18s", std::string(kMotionNames[m]).c_str());
-    for (const RealAgreement* one : {&ours.as_is, &ours.delayed, &paper.as_is, &paper.delayed}) {
-      std::printf("     %5.2f / %4.2f", one->correlation[m].mean, one->correlation[m].median);
+    for (const Column& column : columns) {
+      const AngleCorrelation& c = column.agreement.correlation[m];
+      std::printf("     %5.2f / %4.2f", c.mean, c.median);
     }
     std::printf("%12d\n", ours.as_is.correlation[m].sequences);
   }

@@ -81,7 +81,8 @@ void place_arm(const BodyShape& shape, const Pose& pose, Side side, PosedBody& b
   const double rise = pose.shrug[i] + 0.30 * shape.shoulder_half_width * raised;
   const double half_width = shape.shoulder_half_width * (1 - 0.12 * raised);
   const Vector3d& neck = body.joints[index(JointId::Neck)];
-  const Vector3d shoulder = neck + body.chest * Vector3d(outward(side) * half_width, rise - shape.shoulder_drop, 0);
+  const Vector3d shoulder =
+      neck + body.chest * Vector3d(outward(side) * half_width, rise - shape.shoulder_drop, pose.reach[i]);
 
   const Matrix3d axes = arm_axes(body.chest, arm);
   const auto in_axes = [&](const Vector3d& v) -> Vector3d {

@@ -55,6 +55,7 @@ Pose blended(const Pose& a, const Pose& b, double share) noexcept {
     out.arms[i] = {vector(aa.wrist, ba.wrist), mix(aa.elbow_swivel, ba.elbow_swivel), mix(aa.hangs, ba.hangs),
                    mix(aa.wrist_flex, ba.wrist_flex)};
     out.shrug[i] = mix(a.shrug[i], b.shrug[i]);
+    out.reach[i] = mix(a.reach[i], b.reach[i]);
     const FootPose &af = a.feet[i], &bf = b.feet[i];
     out.feet[i] = {vector(af.ball, bf.ball), mix(af.turn, bf.turn), mix(af.pitch, bf.pitch),
                    mix(af.knee_out, bf.knee_out)};
@@ -72,6 +73,7 @@ Pose mirrored(const Pose& pose) noexcept {
   out.twist = -out.twist;
   std::swap(out.arms[0], out.arms[1]);
   std::swap(out.shrug[0], out.shrug[1]);
+  std::swap(out.reach[0], out.reach[1]);
   std::swap(out.feet[0], out.feet[1]);
   for (FootPose& foot : out.feet) {
     foot.ball.x() = -foot.ball.x();

@@ -50,6 +50,7 @@ struct Pose {
   Turns neck;        ///< head against chest
   std::array<ArmPose, 2> arms;
   std::array<double, 2> shrug{};  ///< shoulder joints raised, metres
+  std::array<double, 2> reach{};  ///< shoulder joints drawn forward, metres
   std::array<FootPose, 2> feet;
 
   [[nodiscard]] ArmPose& arm(Side side) noexcept { return arms[static_cast<std::size_t>(side)]; }

@@ -30,4 +30,15 @@ struct Skeleton {
   [[nodiscard]] Joint& operator[](JointId id) noexcept { return joints[index(id)]; }
 };
 
+/// The same in a mirror: x changes its sign, left and right their places.
+[[nodiscard]] inline Skeleton mirrored(const Skeleton& skeleton) noexcept {
+  Skeleton out;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    out.joints[j] = skeleton[mirrored(static_cast<JointId>(j))];
+    out.joints[j].position.x() *= -1;
+  }
+  out.user_position = {-skeleton.user_position.x(), skeleton.user_position.y(), skeleton.user_position.z()};
+  return out;
+}
+
 }  // namespace armature

@@ -68,7 +68,8 @@ inline constexpr int kMaxProbe_mm = 2000;
 inline constexpr int kMaxTrees = 4;
 
 /// The shape of the network that corrects joints (joints/joint_correction.h says what the numbers are).
-inline constexpr int kCorrectionInputs = 4 * kJointCount + 2;
+inline constexpr int kCorrectionBones = 12;
+inline constexpr int kCorrectionInputs = 7 * kJointCount + 2 + 2 * kCorrectionBones;
 inline constexpr int kCorrectionOutputs = 4 * kJointCount;
 
 /// A trained part forest, and the network that corrects the joints found with it. Immutable; every index in it was

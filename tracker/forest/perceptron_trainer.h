@@ -22,12 +22,12 @@ struct OffsetExamples {
 };
 
 struct PerceptronOptions {
-  std::vector<int> hidden = {128, 128};
+  std::vector<int> hidden = {256, 256};
   int epochs = 20;
   int batch = 64;
   float step = 1e-3F;        ///< Adam's; falls linearly to a fiftieth
   float decay = 1e-5F;       ///< of the weights, a step
-  float input_noise = 0.1F;  ///< in standard deviations of each input: what is exact in training is not in use
+  float input_noise = 0.2F;  ///< in standard deviations of each input: what is exact in training is not in use
   std::uint64_t seed = 1;
 };
 

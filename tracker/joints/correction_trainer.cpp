@@ -14,28 +14,33 @@ namespace {
 
 constexpr double kImageShare = 0.7;  // of the whole: looking at the images; the rest is learning
 
-/// What the votes say of an image and of its mirror image, and where the joints are from there. Empty where nobody is
+/// What the votes say of a person and of her mirror image, and where the joints are from there. Empty where nobody is
 /// found.
 struct Example {
   std::vector<float> known, offset_m;
 };
-
-/// The same in a mirror.
-Skeleton mirrored(const Skeleton& skeleton) {
-  Skeleton out = skeleton;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    out.joints[j] = skeleton[mirrored(static_cast<JointId>(j))];
-    out.joints[j].position.x() *= -1;
-  }
-  return out;
-}
 
 /// Looks at images one by one. One a thread.
 class Observer {
  public:
   explicit Observer(const std::shared_ptr<const Forest>& forest) : classifier_(forest), estimator_(forest) {}
 
-  [[nodiscard]] Example look_at(const TrainingImage& image) {
+  [[nodiscard]] Example look_at(const PersonTwice& person) {
+    if (!find(person.at_rest)) return {};
+    RestingBody resting;
+    resting.add(found_);
+    if (!find(person.image)) return {};
+    Skeleton truth;
+    for (std::size_t j = 0; j < kJointCount; ++j) truth.joints[j].position = person.image.joints[j];
+    Example example;
+    append(found_, truth, resting, example);
+    append(mirrored(found_), mirrored(truth), resting.mirrored(), example);  // twice as many people for nothing
+    return example;
+  }
+
+ private:
+  /// What the votes say of an image; false: nothing.
+  [[nodiscard]] bool find(const TrainingImage& image) {
     classifier_.reset(image.intrinsics);
     estimator_.reset();
     constexpr std::uint8_t kUser = 1;
@@ -43,20 +48,13 @@ class Observer {
     std::transform(image.user.begin(), image.user.end(), mask_.begin(), [](std::uint8_t user) { return user != 0; });
     const DepthView frame{.depth_mm = image.depth_mm, .intrinsics = image.intrinsics, .sensor = {}, .host = {}};
     estimator_.estimate(classifier_.classify(frame, mask_, kUser), found_);
-    if (found_[JointId::Torso].state == JointState::Lost) return {};
-    Skeleton truth;
-    for (std::size_t j = 0; j < kJointCount; ++j) truth.joints[j].position = image.joints[j];
-    Example example;
-    append(found_, truth, example);
-    append(mirrored(found_), mirrored(truth), example);  // twice as many people for nothing
-    return example;
+    return found_[JointId::Torso].state != JointState::Lost;
   }
 
- private:
-  static void append(const Skeleton& found, const Skeleton& truth, Example& example) {
+  static void append(const Skeleton& found, const Skeleton& truth, const RestingBody& resting, Example& example) {
     const CorrectionFrame seen_from(found);
     std::array<float, kCorrectionInputs> inputs{};
-    correction_inputs(found, seen_from, inputs);
+    correction_inputs(found, resting, seen_from, inputs);
     example.known.insert(example.known.end(), inputs.begin(), inputs.end());
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const Eigen::Vector3f offset = seen_from.turned(truth.joints[j].position - found.joints[j].position);
@@ -72,8 +70,9 @@ class Observer {
 
 }  // namespace
 
-Expected<Forest> learn_correction(const Forest& forest, const TrainingImages& images, const CorrectionOptions& options,
-                                  const std::function<void(double)>& progress, std::stop_token stop) {
+Expected<Forest> learn_correction(const Forest& forest, const TrainingPersons& persons,
+                                  const CorrectionOptions& options, const std::function<void(double)>& progress,
+                                  std::stop_token stop) {
   const auto plain = std::make_shared<const Forest>(forest.uncorrected());
   const auto count = static_cast<std::size_t>(std::max(0, options.image_count));
   const unsigned threads =
@@ -87,7 +86,7 @@ Expected<Forest> learn_correction(const Forest& forest, const TrainingImages& im
       observers.emplace_back([&] {
         Observer observer(plain);
         for (std::size_t i = next++; i < count && !stop.stop_requested(); i = next++) {
-          found[i] = observer.look_at(images(static_cast<int>(i)));
+          found[i] = observer.look_at(persons(static_cast<int>(i)));
           const std::lock_guard lock(mutex);
           progress(kImageShare * static_cast<double>(++done) / static_cast<double>(count));
         }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 
@@ -27,27 +28,52 @@ class CorrectionFrame {
   float cosine_ = 1, sine_ = 0;
 };
 
+/// What the votes say of somebody at rest: each joint as seen from the CorrectionFrame of its moment, metres, a mean
+/// over the last half second. Builds differ by more than small motions: who knows a person at rest tells the two apart.
+class RestingBody {
+ public:
+  RestingBody() noexcept { seen_.fill(Eigen::Vector3f::Zero()); }
+
+  void add(const Skeleton& voted) noexcept;
+  [[nodiscard]] const std::array<Eigen::Vector3f, kJointCount>& seen() const noexcept { return seen_; }
+  /// The same in a mirror.
+  [[nodiscard]] RestingBody mirrored() const noexcept;
+
+ private:
+  static constexpr int kFrames = 15;
+  std::array<Eigen::Vector3f, kJointCount> seen_;
+  int frames_ = 0;
+};
+
 /// The numbers that a correction is made of: 30 joints in the frame, metres, of which each pair of a left and a right
 /// one counts as its middle (in the place of the left one) and the vector from right to left (in that of the right
 /// one), which tells turns apart from steps; their 30 confidences; how high the torso stands in view (the sine of its
-/// elevation); its distance over 3 m.
-void correction_inputs(const Skeleton& skeleton, const CorrectionFrame& frame,
+/// elevation); its distance over 3 m; the joints at rest, in the same way; kCorrectionBones lengths at rest, and by how
+/// much they are longer now.
+void correction_inputs(const Skeleton& skeleton, const RestingBody& resting, const CorrectionFrame& frame,
                        std::span<float, kCorrectionInputs> inputs) noexcept;
 
 /// Moves the joints that the votes of a forest agree on to where such joints have proved to be. Votes are means over
 /// many poses and builds: they draw joints towards the average person and cannot know what another part of the body
 /// tells about a hidden one. A small network learned from synthetic people puts both right, and says how large an error
-/// to expect.
+/// to expect. It is asked of the person and of her mirror image, and answers with the mean.
 /// Thread-safe: yes. Realtime-safe: yes.
 class JointCorrection {
  public:
   explicit JointCorrection(std::shared_ptr<const Forest> forest) : forest_(std::move(forest)) {}
 
-  /// Positions and confidences of `skeleton`; a lost joint stays lost, and all stay where the forest knows no
-  /// correction.
-  void apply(Skeleton& skeleton) const noexcept;
+  /// Positions and confidences of `skeleton`, of somebody whom `resting` shows; a lost joint stays lost, and all stay
+  /// where the forest knows no correction.
+  void apply(Skeleton& skeleton, const RestingBody& resting) const noexcept;
 
  private:
+  /// What the network says of each joint, camera frame.
+  struct Advice {
+    std::array<Eigen::Vector3f, kJointCount> offset_m;
+    std::array<float, kJointCount> error_m{};
+  };
+  [[nodiscard]] Advice ask(const Skeleton& skeleton, const RestingBody& resting) const noexcept;
+
   std::shared_ptr<const Forest> forest_;
 };
 

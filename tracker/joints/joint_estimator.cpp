@@ -14,6 +14,8 @@ constexpr std::size_t kMaxVotes = 1024;  // a joint
 /// The area whose certain vote gives a confidence of one half.
 constexpr float kHalfArea_m2 = 0.0005F;
 constexpr int kSteps = 12;
+/// How much more votes a mode needs than the one that the joint was in.
+constexpr float kStay = 1.25F;
 constexpr float kTorsoRadius_m = 0.5F;
 
 /// The joint with which an unseen one is carried along.
@@ -76,6 +78,8 @@ struct JointEstimator::State {
   std::array<int, kJointCount> unseen{};  // frames since last observed
   Skeleton last;                          // before its correction
   bool has_last = false;
+  RestingBody resting;
+  bool keeps_build = false;
 
   void collect(const PartVotes& votes) noexcept;
   [[nodiscard]] VoteMode find_mode(std::size_t joint) const noexcept;
@@ -129,7 +133,7 @@ VoteMode JointEstimator::State::find_mode(std::size_t joint) const noexcept {
   VoteMode best = cloud.mode_near(wide.position, radius, kSteps);
   if (has_last && last.joints[joint].state == JointState::Observed) {
     const VoteMode again = cloud.mode_near(last.joints[joint].position, radius, kSteps);
-    if (again.mass > best.mass) best = again;
+    if (kStay * again.mass > best.mass) best = again;
   }
   return best;
 }
@@ -144,6 +148,12 @@ void JointEstimator::reset() noexcept {
   state_->last = {};
   state_->has_last = false;
   state_->unseen = {};
+  state_->resting = {};
+  state_->keeps_build = false;
+}
+
+void JointEstimator::keep_build(bool keep) noexcept {
+  state_->keeps_build = keep;
 }
 
 void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
@@ -192,7 +202,8 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   out.user_position = torso_centre(votes, out[JointId::Torso].position);
   s.last = out;
   s.has_last = true;
-  s.correction.apply(out);
+  if (!s.keeps_build) s.resting.add(out);
+  s.correction.apply(out, s.resting);
 }
 
 }  // namespace armature

@@ -109,7 +109,9 @@ MotionAngles motion_angles(const Skeleton& now, const RestPose& rest) noexcept {
 
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     float confidence = 1;
-    for (const JointId joint : kNeeded[m]) confidence = std::min(confidence, now[joint].confidence);
+    for (const JointId joint : kNeeded[m]) {
+      confidence = std::min({confidence, now[joint].confidence, rest.skeleton[joint].confidence});
+    }
     out.confidence[m] = confidence;
   }
 

@@ -24,7 +24,8 @@ struct RestPose {
 /// from the front whose hips coincide gets the camera's own axes, made level.
 [[nodiscard]] UserFrame user_frame(const Skeleton& rest, const Eigen::Vector3f& up) noexcept;
 
-/// A signed angle per motion, radians, and the confidence of each in [0, 1] (that of its weakest joint).
+/// A signed angle per motion, radians, and the confidence of each in [0, 1] (that of its weakest joint,
+/// now or at rest: what was not seen there has not moved from anywhere).
 /// Positive is to the person's left (rotations counter-clockwise seen from above, lean, translate), forward (bend
 /// bust, step), right knee forward (bend knees).
 struct MotionAngles {

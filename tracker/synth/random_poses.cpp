@@ -165,6 +165,20 @@ double sit(const BodyShape& shape, Random& random, Pose& pose) {
   return seat;
 }
 
+/// What real people's trunks do that no activity asks for: hips turn and list with whatever legs do, also against them,
+/// and shoulders follow the arm that reaches. Were it absent, hips would be read from the legs and shoulders from the
+/// chest.
+void loosen_trunk(Activity activity, Random& random, Pose& pose) {
+  if (activity == Activity::Walk || activity == Activity::Jog) pose.pelvis_turns.turn *= random.uniform(-1, 1);
+  pose.pelvis_turns.turn += 0.10 * random.normal();
+  pose.pelvis_turns.lean += 0.03 * random.normal();
+  for (const Side side : kSides) {
+    const Vector3d wrist = pose.arm(side).wrist;
+    const double forward = std::clamp(wrist.z(), -0.3, 0.8) - std::min(0.0, 0.5 * wrist.x());
+    pose.reach[static_cast<std::size_t>(side)] = 0.06 * random.unit() * forward + 0.012 * random.normal();
+  }
+}
+
 }  // namespace
 
 void walk(double phase, double stride, double lift, double arm_swing, Pose& pose) {
@@ -303,7 +317,10 @@ RandomPose random_pose(const Person& person, Random& random) {
                                              {1.00, Activity::Reach}}};
   const double draw = random.unit();
   for (const Share& share : kShares) {
-    if (draw < share.until) return random_pose(person, share.activity, random);
+    if (draw >= share.until) continue;
+    RandomPose out = random_pose(person, share.activity, random);
+    loosen_trunk(share.activity, random, out.pose);
+    return out;
   }
   return random_pose(person, Activity::Stand, random);
 }

@@ -78,12 +78,19 @@ void mask_with_ragged_feet(const SurfaceImage& image, const SensedImage& sensed,
   }
 }
 
-void TrainingSampler::sample(std::uint64_t seed, LabelledImage& out) {
+void TrainingSampler::sample(std::uint64_t seed, LabelledImage& out, LabelledImage* at_rest) {
   seed &= ~kHeldOut;
   Random random(seed);
   // Somebody who is hardly in view teaches nothing: draw again, a few times at most.
   for (int attempt = 0; attempt < 5; ++attempt) {
-    if (try_sample(random, seed, out)) return;
+    const Random before = random;
+    const bool in_view = try_sample(random, seed, false, out);
+    if (!in_view && attempt < 4) continue;
+    if (at_rest != nullptr) {
+      Random again = before;
+      try_sample(again, seed, true, *at_rest);
+    }
+    return;
   }
 }
 
@@ -94,15 +101,22 @@ void TrainingSampler::render_somebody(const Person& person, const PosedBody& bod
   render_edges(edges_, owner, image_);
 }
 
-bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledImage& out) {
+bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_rest, LabelledImage& out) {
   const Person person = random_person(random, options_.carries);
   RandomPose posed = random_pose(person, random);
   const bool wheels = posed.seat_height > 0 && random.chance(options_.wheelchair);
   if (wheels) raise_onto_footrests(posed);
   const double distance = random.uniform(options_.nearest_m, options_.farthest_m);
   const double x = distance * random.uniform(-0.28, 0.28);
-  const double heading = options_.turned_deg * kRadians *
-                         (random.chance(0.5) ? 0.35 * std::clamp(random.normal(), -2.0, 2.0) : random.uniform(-1, 1));
+  bool alone = false;
+  double heading = options_.turned_deg * kRadians *
+                   (random.chance(0.5) ? 0.35 * std::clamp(random.normal(), -2.0, 2.0) : random.uniform(-1, 1));
+  if (at_rest) {
+    Random resting(scrambled(seed ^ 0x4E57ULL));
+    posed = random_pose(person, posed.activity == Activity::Sit ? Activity::Sit : Activity::Stand, resting);
+    heading = 0.15 * resting.normal();
+    alone = resting.chance(0.5);  // whoever hides her may come later
+  }
 
   Intrinsics k = kinect_intrinsics(options_.width, options_.height);
   k.focal_x_px *= 1 + options_.vary_intrinsics * random.uniform(-1, 1);
@@ -141,7 +155,7 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, LabelledIma
 
   const PosedBody body = pose_body(person.shape, posed.pose);
   render_somebody(person, body, camera_from_body, 1);
-  if (random.chance(options_.company)) {
+  if (random.chance(options_.company) && !alone) {
     const Person other = random_person(random, options_.carries);
     const RigidTransform beside{placed.rotation.transpose(), Vector3d::Zero()};  // in the room's axes
     const RandomPose other_pose = random_pose(other, Activity::Stand, random);

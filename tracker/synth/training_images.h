@@ -48,10 +48,12 @@ class TrainingSampler {
  public:
   explicit TrainingSampler(const TrainingOptions& options) : options_(options) {}
 
-  void sample(std::uint64_t seed, LabelledImage& out);
+  /// `at_rest`, where wanted, gets the same person before the same camera, but at rest: behind the same
+  /// furniture, and beside the same company or not.
+  void sample(std::uint64_t seed, LabelledImage& out, LabelledImage* at_rest = nullptr);
 
  private:
-  bool try_sample(Random& random, std::uint64_t seed, LabelledImage& out);
+  bool try_sample(Random& random, std::uint64_t seed, bool at_rest, LabelledImage& out);
   void render_somebody(const Person& person, const PosedBody& body, const RigidTransform& camera_from_body,
                        std::uint8_t owner);
 

@@ -124,6 +124,18 @@ TEST(Kinematics, PositiveTurnsAreToTheLeftAndForward) {
   EXPECT_LT(body[JointId::LeftShoulder].z(), body[JointId::RightShoulder].z()) << "counter-clockwise from above";
 }
 
+TEST(Kinematics, AShoulderDrawnForwardTakesItsArmAlong) {
+  const BodyShape shape = average_shape(1.75);
+  Pose pose = standing_pose(shape);
+  const PosedBody before = pose_body(shape, pose);
+  pose.reach[static_cast<std::size_t>(Side::Left)] = 0.05;
+  const PosedBody after = pose_body(shape, pose);
+  for (const JointId joint : {JointId::LeftShoulder, JointId::LeftElbow, JointId::LeftWrist}) {
+    EXPECT_NEAR(after[joint].z() - before[joint].z(), 0.05, 1e-6) << kJointNames[index(joint)];
+  }
+  EXPECT_EQ(after[JointId::RightShoulder], before[JointId::RightShoulder]);
+}
+
 TEST(Kinematics, LimitsHoldWhatPeopleCannotDo) {
   Pose wild = standing_pose(average_shape(1.75));
   wild.spine = {9, -9, 9};

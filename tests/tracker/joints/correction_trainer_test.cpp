@@ -18,6 +18,11 @@ TrainingImage moved_image(int i) {
   return image;
 }
 
+/// A doll has one pose.
+PersonTwice moved_doll(int i) {
+  return {moved_image(i), moved_image(i)};
+}
+
 const Forest& trees() {
   static const Forest trained = *train_forest(paper_training(), paper_images(), {}, {});
   return trained;
@@ -42,7 +47,7 @@ Eigen::Vector3f waist_of(const Forest& forest, const TrainingImage& image) {
 TEST(LearnCorrection, PutsAJointWhereItProvedToBe) {
   double last = 0;
   const auto corrected =
-      learn_correction(trees(), moved_image, kQuick, [&](double share) { last = std::max(last, share); }, {});
+      learn_correction(trees(), moved_doll, kQuick, [&](double share) { last = std::max(last, share); }, {});
   ASSERT_TRUE(corrected) << corrected.error().message;
   EXPECT_EQ(last, 1);
   for (int i = 1000; i < 1005; ++i) {
@@ -58,16 +63,16 @@ TEST(LearnCorrection, TheSameImagesGiveTheSameForestWithAnyNumberOfThreads) {
     CorrectionOptions options = kQuick;
     options.image_count = 20;
     options.threads = threads;
-    return learn_correction(trees(), moved_image, options, [](double) {}, {})->serialize();
+    return learn_correction(trees(), moved_doll, options, [](double) {}, {})->serialize();
   };
   EXPECT_EQ(learned(1), learned(3));
 }
 
 TEST(LearnCorrection, NobodyToLearnFromIsAnError) {
   const auto nobody = [](int i) {
-    TrainingImage image = moved_image(i);
-    std::ranges::fill(image.user, std::uint8_t{0});
-    return image;
+    PersonTwice person = moved_doll(i);
+    std::ranges::fill(person.image.user, std::uint8_t{0});
+    return person;
   };
   const auto corrected = learn_correction(trees(), nobody, kQuick, [](double) {}, {});
   ASSERT_FALSE(corrected);

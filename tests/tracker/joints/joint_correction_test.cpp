@@ -18,6 +18,12 @@ Skeleton some_skeleton() {
   return skeleton;
 }
 
+RestingBody resting() {
+  RestingBody body;
+  body.add(some_skeleton());
+  return body;
+}
+
 /// The skeleton walked round the camera, at the same distance and height.
 Skeleton turned(Skeleton skeleton, float angle) {
   const float c = std::cos(angle), s = std::sin(angle);
@@ -30,7 +36,7 @@ Skeleton turned(Skeleton skeleton, float angle) {
 
 std::array<float, kCorrectionInputs> inputs_of(const Skeleton& skeleton) {
   std::array<float, kCorrectionInputs> inputs{};
-  correction_inputs(skeleton, CorrectionFrame(skeleton), inputs);
+  correction_inputs(skeleton, resting(), CorrectionFrame(skeleton), inputs);
   return inputs;
 }
 
@@ -64,7 +70,7 @@ TEST(JointCorrection, MovesJointsAlongTheFrameAndSaysHowSureItIs) {
   bias[3 * index(JointId::Head) + 2] = 0.05F;  // away from the camera
   for (std::size_t j = 0; j < kJointCount; ++j) bias[3 * kJointCount + j] = 0.1F;
   Skeleton skeleton = some_skeleton();
-  JointCorrection(forest_with(bias)).apply(skeleton);
+  JointCorrection(forest_with(bias)).apply(skeleton, resting());
   const Skeleton before = some_skeleton();
   const Eigen::Vector3f ahead = CorrectionFrame(before).turned_back(Eigen::Vector3f::UnitZ());
   EXPECT_TRUE(skeleton[JointId::Head].position.isApprox(before[JointId::Head].position + 0.05F * ahead, 1e-5F));
@@ -72,11 +78,34 @@ TEST(JointCorrection, MovesJointsAlongTheFrameAndSaysHowSureItIs) {
   EXPECT_NEAR(skeleton[JointId::Waist].confidence, 0.5, 0.01);  // 10 cm expected
 }
 
+TEST(JointCorrection, SomebodyAndHerMirrorImageAreCorrectedAlike) {
+  std::vector<float> bias(kCorrectionOutputs);
+  for (std::size_t i = 0; i < 3 * kJointCount; ++i) bias[i] = 0.001F * static_cast<float>(i % 17);
+  Skeleton skeleton = some_skeleton(), other = mirrored(some_skeleton());
+  JointCorrection(forest_with(bias)).apply(skeleton, resting());
+  JointCorrection(forest_with(bias)).apply(other, resting().mirrored());
+  const Skeleton back = mirrored(other);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_TRUE(back.joints[j].position.isApprox(skeleton.joints[j].position, 1e-5F)) << j;
+  }
+}
+
+TEST(RestingBody, IsAMeanInWhichWalkingAboutDoesNotShow) {
+  RestingBody standing, walking;
+  for (int i = 0; i < 20; ++i) {
+    standing.add(some_skeleton());
+    walking.add(turned(some_skeleton(), 0.02F * static_cast<float>(i)));
+  }
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_LT((walking.seen()[j] - standing.seen()[j]).norm(), 1e-4F) << j;
+  }
+}
+
 TEST(JointCorrection, ALostJointStaysLostWhereItWas) {
   std::vector<float> bias(kCorrectionOutputs, 0.05F);
   Skeleton skeleton = some_skeleton();
   skeleton[JointId::Head] = {{1, 2, 3}, 0, JointState::Lost};
-  JointCorrection(forest_with(bias)).apply(skeleton);
+  JointCorrection(forest_with(bias)).apply(skeleton, resting());
   EXPECT_EQ(skeleton[JointId::Head].position, Eigen::Vector3f(1, 2, 3));
   EXPECT_EQ(skeleton[JointId::Head].confidence, 0);
   EXPECT_NE(skeleton[JointId::Neck].position, some_skeleton()[JointId::Neck].position);
@@ -85,7 +114,7 @@ TEST(JointCorrection, ALostJointStaysLostWhereItWas) {
 TEST(JointCorrection, ANetworkThatGoesWildMovesNothing) {
   std::vector<float> bias(kCorrectionOutputs, std::numeric_limits<float>::max());
   Skeleton skeleton = some_skeleton();
-  JointCorrection(forest_with(bias)).apply(skeleton);
+  JointCorrection(forest_with(bias)).apply(skeleton, resting());
   for (std::size_t j = 0; j < kJointCount; ++j) {
     EXPECT_EQ(skeleton.joints[j].position, some_skeleton().joints[j].position) << j;
   }
@@ -94,7 +123,7 @@ TEST(JointCorrection, ANetworkThatGoesWildMovesNothing) {
 TEST(JointCorrection, AForestWithoutOneLeavesJointsAlone) {
   const auto plain = std::make_shared<const Forest>(forest_with(std::vector<float>(kCorrectionOutputs))->uncorrected());
   Skeleton skeleton = some_skeleton();
-  JointCorrection(plain).apply(skeleton);
+  JointCorrection(plain).apply(skeleton, resting());
   EXPECT_EQ(skeleton[JointId::Head].position, some_skeleton()[JointId::Head].position);
   EXPECT_EQ(skeleton[JointId::Head].confidence, some_skeleton()[JointId::Head].confidence);
 }
@@ -104,7 +133,7 @@ TEST(JointCorrection, ANetworkOfAnotherShapeIsRefused) {
   const auto refused =
       forest->corrected_by(*Perceptron::create({{.inputs = 1, .outputs = 2, .weights = {1, 2}, .bias = {0, 0}}}));
   ASSERT_FALSE(refused.has_value());
-  EXPECT_EQ(refused.error().message, "a correction of 1 inputs and 2 outputs, expected 122 and 120");
+  EXPECT_EQ(refused.error().message, "a correction of 1 inputs and 2 outputs, expected 236 and 120");
 }
 
 }  // namespace

@@ -96,6 +96,57 @@ TEST(JointEstimator, AJointThatIsHiddenMovesAlongWithItsNeighbourUntilItIsLost) 
   EXPECT_EQ(skeleton[JointId::LeftAnkle].state, JointState::Lost);
 }
 
+TEST(JointEstimator, TheBuildFollowsUntilItIsKept) {
+  // One leaf votes for both hips; the correction moves the head up by their width at rest.
+  constexpr std::size_t kHipsAtRest = 4 * kJointCount + 2 + 3 * index(JointId::RightHip);  // from right to left, x
+  Leaf left, right;
+  left.votes[0].joint = static_cast<std::uint8_t>(index(JointId::LeftHip));
+  right.votes[0].joint = static_cast<std::uint8_t>(index(JointId::RightHip));
+  PerceptronLayer layer{.inputs = kCorrectionInputs,
+                        .outputs = kCorrectionOutputs,
+                        .weights = std::vector<float>(std::size_t{kCorrectionInputs} * kCorrectionOutputs),
+                        .bias = std::vector<float>(kCorrectionOutputs)};
+  layer.weights[kHipsAtRest * kCorrectionOutputs + 3 * index(JointId::LeftHip) + 1] = -1;
+  layer.weights[kHipsAtRest * kCorrectionOutputs + 3 * index(JointId::RightHip) + 1] = -1;
+  Tree stump;
+  stump.leaves.resize(1);
+  JointEstimator estimator(std::make_shared<const Forest>(
+      *Forest::create({stump}, "")->corrected_by(*Perceptron::create({std::move(layer)}))));
+  const auto lowered = [&](float half_width) {
+    const auto pixel = [](const Leaf& leaf, float x) {
+      return ClassifiedPixel{.point = {x, 0.2F, 2}, .area_m2 = 0.01F, .leaves = {&leaf}};
+    };
+    const std::array both = {pixel(left, half_width), pixel(right, -half_width)};
+    Skeleton skeleton;
+    estimator.estimate({both}, skeleton);
+    return 0.2F - skeleton[JointId::LeftHip].position.y();
+  };
+  EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);
+  EXPECT_NEAR(lowered(0.20F), 0.30F, 1e-4);  // the mean of both
+  estimator.keep_build(true);
+  EXPECT_NEAR(lowered(0.10F), 0.30F, 1e-4);
+  estimator.reset();
+  EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);  // somebody else
+}
+
+TEST(JointEstimator, AJointStaysWhereItWasForAFewVotesMore) {
+  Leaf knee;
+  knee.votes[0].joint = static_cast<std::uint8_t>(index(JointId::LeftKnee));
+  Tree stump;
+  stump.leaves.resize(1);
+  JointEstimator estimator(std::make_shared<const Forest>(*Forest::create({stump}, "")));
+  const auto knee_of = [&](float here_m2, float there_m2) {
+    const std::array pixels = {ClassifiedPixel{.point = {0, 0.2F, 2}, .area_m2 = here_m2, .leaves = {&knee}},
+                               ClassifiedPixel{.point = {0.5F, 0.2F, 2}, .area_m2 = there_m2, .leaves = {&knee}}};
+    Skeleton skeleton;
+    estimator.estimate({pixels}, skeleton);
+    return skeleton[JointId::LeftKnee].position.x();
+  };
+  EXPECT_NEAR(knee_of(0.010F, 0.001F), 0, 0.01);
+  EXPECT_NEAR(knee_of(0.010F, 0.011F), 0, 0.01);
+  EXPECT_NEAR(knee_of(0.010F, 0.020F), 0.5F, 0.01);
+}
+
 TEST(JointEstimator, WithNobodyThereEveryJointIsLostWhereItWas) {
   PaperTracker tracker(qvga());
   const PaperDoll doll;

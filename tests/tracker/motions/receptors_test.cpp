@@ -57,6 +57,15 @@ TEST(MotionAngles, RotateBustTrustsWhatIsSeenBetter) {
   EXPECT_FLOAT_EQ(motion_angles(now, rest).confidence[index(MotionId::RotateHips)], 0.25F);
 }
 
+TEST(MotionAngles, WhatWasNotSeenAtRestHasNotMovedFromAnywhere) {
+  Skeleton at_rest = standing_person();
+  at_rest[RightKnee].confidence = 0.4F;
+  const RestPose rest = resting(at_rest);
+  const MotionAngles angles = motion_angles(standing_person(), rest);
+  EXPECT_FLOAT_EQ(angles.confidence[index(MotionId::BendKnees)], 0.4F);
+  EXPECT_FLOAT_EQ(angles.confidence[index(MotionId::RotateShoulders)], 1.0F);
+}
+
 TEST(MotionAngles, TurningHipsToTheRightIsNegative) {
   const RestPose rest = resting(standing_person());
   Skeleton now = rest.skeleton;

@@ -54,6 +54,27 @@ TEST(TrainingImages, AllPartsAndAllActivitiesOccur) {
   EXPECT_EQ(activities.size(), kActivityNames.size());
 }
 
+TEST(TrainingImages, AtRestThereIsTheSamePersonBeforeTheSameCamera) {
+  TrainingSampler sampler{TrainingOptions{}};
+  LabelledImage alone, moving, at_rest;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    sampler.sample(seed, alone);
+    sampler.sample(seed, moving, &at_rest);
+    EXPECT_EQ(alone.depth_mm, moving.depth_mm);  // asking for more changes nothing
+    EXPECT_EQ(at_rest.intrinsics, moving.intrinsics);
+    const auto length = [](const LabelledImage& image, JointId from, JointId to) {
+      return (image.joints[index(to)] - image.joints[index(from)]).norm();
+    };
+    EXPECT_NEAR(length(at_rest, JointId::LeftHip, JointId::RightHip),
+                length(moving, JointId::LeftHip, JointId::RightHip), 1e-4)
+        << seed;
+    EXPECT_NEAR(length(at_rest, JointId::LeftElbow, JointId::LeftWrist),
+                length(moving, JointId::LeftElbow, JointId::LeftWrist), 1e-4)
+        << seed;
+    EXPECT_TRUE(at_rest.activity == Activity::Stand || at_rest.activity == Activity::Sit);
+  }
+}
+
 TEST(TrainingImages, LabelledPixelsLieNearTheirJoints) {
   // A part's pixels lie within a limb's length of the joint of its name.
   TrainingSampler sampler({});
