@@ -80,13 +80,6 @@ TrainingImage training_image(const LabelledImage& labelled) {
   return {labelled.intrinsics, labelled.depth_mm, labelled.user, labelled.part, labelled.joints};
 }
 
-/// A network that never saw people from the side takes them for people who face the camera.
-TrainingOptions also_sideways() {
-  TrainingOptions options;
-  options.turned_deg = 90;
-  return options;
-}
-
 }  // namespace
 
 TrainingImage synthetic_image(std::uint64_t seed) {
@@ -97,7 +90,7 @@ TrainingImage synthetic_image(std::uint64_t seed) {
 }
 
 PersonTwice synthetic_person(std::uint64_t seed) {
-  thread_local TrainingSampler sampler{also_sideways()};
+  thread_local TrainingSampler sampler{TrainingOptions{}};
   thread_local LabelledImage labelled, at_rest;
   sampler.sample(seed, labelled, &at_rest);
   return {training_image(labelled), training_image(at_rest)};

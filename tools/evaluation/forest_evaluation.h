@@ -30,7 +30,7 @@ struct EvaluationOptions {
 
 /// A synthetic person of the domain that forests are trained on.
 [[nodiscard]] TrainingImage synthetic_image(std::uint64_t seed);
-/// Somebody of that domain, or turned farther, and the same one at rest.
+/// The same one, and once more at rest.
 [[nodiscard]] PersonTwice synthetic_person(std::uint64_t seed);
 
 /// Prints how well a model does on the frozen scenes and on real people, beside just the paper: tables for people, or
