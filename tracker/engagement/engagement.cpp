@@ -29,6 +29,8 @@ constexpr float kZoneMargin_m = 0.20F;
 /// Somebody in front: so much nearer, so far to the side.
 constexpr float kRowDepth_m = 0.40F;
 constexpr float kRowHalfWidth_m = 0.35F;
+/// Between the shoulder joints over from the waist to the neck.
+constexpr float kShouldersOverTorso = 0.85F;
 
 Vector2f on_floor(const Vector3f& point, const Vector3f& up) noexcept {
   const Vector3f ahead = (Vector3f::UnitZ() - up.z() * up).normalized();
@@ -193,15 +195,14 @@ bool Engagement::faces_sensor(const Skeleton& skeleton) const noexcept {
   const Joint& left = skeleton[JointId::LeftShoulder];
   const Joint& right = skeleton[JointId::RightShoulder];
   if (left.state == JointState::Lost || right.state == JointState::Lost) return false;
+  // Seen from above: a person's left is to the camera's right when she faces it.
   const Vector3f across = left.position - right.position;
   const Vector3f middle = (left.position + right.position) / 2;
-  // Seen from above: a person's left is to the camera's right when she faces it.
-  const Vector2f line(across.x(), across.z());
-  const Vector2f sight(middle.x(), middle.z());
-  if (line.norm() < 1e-3F || sight.norm() < 1e-3F) return false;
-  const Vector2f wanted(sight.y(), -sight.x());
-  const float cosine = line.dot(wanted) / (line.norm() * wanted.norm());
-  return cosine > std::cos(options_.facing_rad);
+  const Vector2f to_the_right = Vector2f(middle.z(), -middle.x()).normalized();
+  const float seen_m = Vector2f(across.x(), across.z()).dot(to_the_right);
+  // Joints know less and less how far somebody is turned, but that her shoulders look narrow.
+  const float torso_m = (skeleton[JointId::Neck].position - skeleton[JointId::Waist].position).norm();
+  return seen_m > std::cos(options_.facing_rad) * kShouldersOverTorso * torso_m;
 }
 
 void Engagement::release() noexcept {

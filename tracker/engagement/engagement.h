@@ -75,7 +75,8 @@ class Engagement {
   };
   EngagementState update(const Seen& seen) noexcept;
 
-  /// Whether these shoulders are turned to the sensor.
+  /// Whether these shoulders are turned to the sensor: as wide, seen from there, as those of somebody turned by
+  /// facing_rad are.
   [[nodiscard]] bool faces_sensor(const Skeleton& skeleton) const noexcept;
 
   /// Lets the active user go and forgets everybody: the next frame chooses anew.

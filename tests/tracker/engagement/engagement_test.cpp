@@ -203,6 +203,8 @@ TEST(Engagement, FacingIsToldFromTheShoulders) {
     const Eigen::Vector3f half(0.2F * std::cos(radians), 0, 0.2F * std::sin(radians));
     skeleton[JointId::LeftShoulder] = {Eigen::Vector3f(0, -0.3F, 2) + half, 1, JointState::Observed};
     skeleton[JointId::RightShoulder] = {Eigen::Vector3f(0, -0.3F, 2) - half, 1, JointState::Observed};
+    skeleton[JointId::Neck] = {{0, -0.35F, 2}, 1, JointState::Observed};
+    skeleton[JointId::Waist] = {{0, 0.12F, 2}, 1, JointState::Observed};
     return skeleton;
   };
   EXPECT_TRUE(engagement.faces_sensor(turned(0)));
@@ -210,6 +212,12 @@ TEST(Engagement, FacingIsToldFromTheShoulders) {
   EXPECT_FALSE(engagement.faces_sensor(turned(1.3F)));
   EXPECT_FALSE(engagement.faces_sensor(turned(3.1F)));
   EXPECT_FALSE(engagement.faces_sensor(Skeleton{}));
+  Skeleton narrow = turned(0.9F);  // read as turned by no more, but too narrow for it
+  const Eigen::Vector3f inward =
+      0.2F * (narrow[JointId::RightShoulder].position - narrow[JointId::LeftShoulder].position);
+  narrow[JointId::LeftShoulder].position += inward;
+  narrow[JointId::RightShoulder].position -= inward;
+  EXPECT_FALSE(engagement.faces_sensor(narrow));
 }
 
 }  // namespace
