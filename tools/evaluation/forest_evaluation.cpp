@@ -90,7 +90,8 @@ TrainingImage synthetic_image(std::uint64_t seed) {
 }
 
 PersonTwice synthetic_person(std::uint64_t seed) {
-  thread_local TrainingSampler sampler{TrainingOptions{}};
+  // More of them are hidden than where parts are learned: that is where joints have to be guessed from others.
+  thread_local TrainingSampler sampler{TrainingOptions{.occluded = 0.32, .company = 0.20}};
   thread_local LabelledImage labelled, at_rest;
   sampler.sample(seed, labelled, &at_rest);
   return {training_image(labelled), training_image(at_rest)};

@@ -202,7 +202,7 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   out.user_position = torso_centre(votes, out[JointId::Torso].position);
   s.last = out;
   s.has_last = true;
-  if (!s.keeps_build) s.resting.add(out);
+  if (!s.keeps_build || !s.resting.settled()) s.resting.add(out);
   s.correction.apply(out, s.resting);
 }
 
