@@ -156,6 +156,10 @@ void JointEstimator::keep_build(bool keep) noexcept {
   state_->keeps_build = keep;
 }
 
+const Skeleton& JointEstimator::voted() const noexcept {
+  return state_->last;
+}
+
 void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   State& s = *state_;
   if (votes.pixels.empty()) {

@@ -37,6 +37,9 @@ class JointEstimator {
   /// With no pixels every joint is lost, at its last position.
   void estimate(const PartVotes& votes, Skeleton& out) noexcept;
 
+  /// The skeleton of the last frame before its correction.
+  [[nodiscard]] const Skeleton& voted() const noexcept;
+
  private:
   struct State;
   std::unique_ptr<State> state_;
