@@ -20,9 +20,6 @@
 namespace armature::sdk {
 namespace {
 
-static const std::size_t kTried =
-    getenv("KT") ? atoi(getenv("KT"))
-                 : 2;               // places that the patch is laid onto roughly, of each that is looked at closely
 constexpr double kApart = 0.75;     // centres of candidates, of the radius
 constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
 constexpr double kPromising = 0.5;  // a fit that is worth another look
