@@ -221,7 +221,7 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
 
 auto PatchReference::on_surface(const FaceGraph& graph, const SampleGrid& grid, double scale) const {
   // From what was found for a sample in the round before.
-  return [this, &graph, &grid, radius = scale * ball_.radius, last = std::vector<FaceId>(around_.samples.size())](
+  return [&graph, &grid, radius = scale * ball_.radius, last = std::vector<FaceId>(around_.samples.size())](
              std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
     const SurfacePoint to = closest_near(graph, grid, last[i], from, radius);
     if (!to.face.valid()) return std::nullopt;
