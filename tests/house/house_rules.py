@@ -35,6 +35,8 @@ UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
 # clang 14, which builds the fuzzers and reads everything for clang-tidy, rejects what of libstdc++ 12 is a view.
 VIEW = re.compile(r"\bstd::(?:views\b|ranges::(?:views|subrange|unique|rotate|remove|remove_if|partition|"
                   r"stable_partition|search|equal_range|find_end)\b)")
+ENVIRONMENT = re.compile(r"\b(?:secure_)?getenv\b")
+SET_BY_ARGUMENTS = {"firmware_host", "navproto", "sdk", "tracker"}  # alone, so that a run can be done again
 NAMESPACE = re.compile(r"^(?:namespace ([\w:]*) ?\{|\}  // namespace)")
 TYPE = re.compile(r"^(?:struct|class|enum(?: class| struct)?|union) (?:(?:alignas\([^)]*\)|\[\[[^\]]*\]\]) )*"
                   r"(\w+)(?: final)?(?: :(?!:)[^;{]*)?(?: \{|$)")  # a list of bases may go on in the next line
@@ -210,6 +212,8 @@ def check_house(root, files):
                 yield f"{path}:{number}: unfinished: {line.strip()}"
             if path.suffix in SOURCE_SUFFIXES and path.parts[0] != "tests" and VIEW.search(line):
                 yield f"{path}:{number}: a view, which clang 14 rejects: {line.strip()}"
+            if path.suffix in SOURCE_SUFFIXES and path.parts[0] in SET_BY_ARGUMENTS and ENVIRONMENT.search(line):
+                yield f"{path}:{number}: a setting from the environment: {line.strip()}"
             if MACHINE_PATH.search(line):
                 yield f"{path}:{number}: a path of one machine: {line.strip()}"
     for folder in FOLDERS:

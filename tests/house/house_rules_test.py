@@ -116,6 +116,11 @@ class HouseRules(unittest.TestCase):
     def test_views_that_clang_rejects_are_found(self):
         self.assert_found("sdk/x.cpp:1: a view", planted={"sdk/x.cpp": "v.erase(std::ranges::unique(v).begin());\n"})
 
+    def test_settings_from_the_environment_are_found(self):
+        asked = 'const int k = std::getenv("K") ? 1 : 2;\n'
+        self.assert_found("sdk/x.cpp:1: a setting from the environment", planted={"sdk/x.cpp": asked})
+        self.assertEqual([], self.found(planted={"tools/x.cpp": asked}))
+
     def test_types_of_one_name_are_found(self):
         one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"
         hidden = "namespace a::b {\nnamespace {\nstruct Fit {\n};\n}  // namespace\n}  // namespace a::b\n"

@@ -81,7 +81,7 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
   for (std::size_t i = 0; i < matches.size() && ui.session.log().size() == steps; ++i)
     draw_match(ui, i + 1, matches[i], i < selecting.shown);
   const auto& rejected = selecting.expansion->rejected();
-  if (rejected.empty() || !ImGui::TreeNode("rejected", "Looked at and left out: %zu", rejected.size())) return;
+  if (rejected.empty() || !ImGui::TreeNode("rejected", "Left out: %zu", rejected.size())) return;
   for (std::size_t i = 0; i < std::min<std::size_t>(rejected.size(), 12); ++i) hint(rejected[i].reason.c_str());
   ImGui::TreePop();
 }
