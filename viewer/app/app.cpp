@@ -18,7 +18,7 @@ constexpr float kLeastView = 300, kLeastHeight = 240;
 }  // namespace
 
 App::App(Session& session, float scale, ViewPainter painter)
-    : session_(session), ui_{.session = session, .scale = scale}, painter_(std::move(painter)) {}
+    : session_(session), ui_{.commanded = session, .scale = scale}, painter_(std::move(painter)) {}
 
 App::~App() {
   ImGui_ImplOpenGL3_Shutdown();

@@ -87,12 +87,12 @@ void lasso(Ui& ui) {
 
 /// The command that the gesture was.
 void issue_gesture(Ui& ui, const Gesture& gesture) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (session.models.empty() || gesture.model.lock() != session.models[session.active_model])
-    return session.tell("another model came up meanwhile; draw again");
+    return ui.tell("another model came up meanwhile; draw again");
   const Points& points = gesture.points;
   const bool beside = points.empty();
-  const auto miss = [&] { session.tell("that stroke was beside the model; begin on it"); };
+  const auto miss = [&] { ui.tell("that stroke was beside the model; begin on it"); };
   switch (gesture.tool) {
     case Tool::Click:
       if (const auto found = session.pick(view_point(ui, ImGui::GetIO().MousePos)); found && found->face.valid())
@@ -105,7 +105,7 @@ void issue_gesture(Ui& ui, const Gesture& gesture) {
     case Tool::Lasso: return lasso(ui);
     case Tool::Edge:
       if (session.models[session.active_model]->selecting.reference.empty())
-        return session.tell("select a region first; then drag its boundary");
+        return ui.tell("select a region first; then drag its boundary");
       if (points.size() > 1) ui.issue("drag-edge {} {}", words_of(points.front()), words_of(points.back()));
       return;
     case Tool::Cut: return beside ? miss() : ui.issue("cut {}{}", gesture.how, words_of(points));
@@ -192,7 +192,7 @@ void draw_on(Ui& ui, const ImVec2& mouse) {
 }  // namespace
 
 void begin_gesture(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const ImGuiIO& io = ImGui::GetIO();
   const std::shared_ptr<Model>& model = session.models[session.active_model];
   if (!ui.gesture) ui.gesture = std::make_shared<Gesture>();

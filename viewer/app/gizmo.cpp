@@ -142,7 +142,7 @@ void drop_stale_drag(const Session& session) {
 }  // namespace
 
 bool handle_gizmo(Ui& ui, bool over) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   drop_stale_drag(session);
   if (session.tool != Tool::Pose || session.models.empty() || !session.models[session.active_model]->posing)
     return false;

@@ -3,7 +3,7 @@
 #include <span>
 #include <utility>
 
-#include "viewer/session/coarse_mesh.h"
+#include "viewer/scene/coarse_mesh.h"
 #include "viewer/session/maps.h"
 
 namespace armature::viewer {

@@ -23,13 +23,14 @@ struct Area {
 
 struct Gesture;
 
-/// What panels share: the session, which they read, and change by commands alone; and what only the window knows.
+/// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
 struct Ui {
-  Session& session;
-  float scale = 1;              ///< pixels a unit of layout
-  Area view = {};               ///< where the shapes or the city are
-  Area beside = {};             ///< where another model is shown beside; empty if none is
-  ImTextureID depth = nullptr;  ///< the depth picture, once there is one
+  Session& commanded;                  ///< by `issue()` and `tell()`; nobody else changes it
+  const Session& session = commanded;  ///< as it is now
+  float scale = 1;                     ///< pixels a unit of layout
+  Area view = {};                      ///< where the shapes or the city are
+  Area beside = {};                    ///< where another model is shown beside; empty if none is
+  ImTextureID depth = nullptr;         ///< the depth picture, once there is one
   float depth_aspect = 1;
 
   Likeness like_by = Likeness::Gls;            ///< what the next spot is compared by
@@ -44,8 +45,10 @@ struct Ui {
   /// Carries a command out; what fails is shown as the session's notice.
   template <class... Args>
   void issue(fmt::format_string<Args...> line, Args&&... args) {
-    static_cast<void>(session.execute(fmt::format(line, std::forward<Args>(args)...)));
+    static_cast<void>(commanded.execute(fmt::format(line, std::forward<Args>(args)...)));
   }
+  /// Says why there was nothing to issue; an empty text takes away what was said.
+  void tell(std::string text) { commanded.tell(std::move(text)); }
   [[nodiscard]] float px(float units) const { return units * scale; }
 };
 

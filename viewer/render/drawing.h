@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "viewer/render/gl_objects.h"
-#include "viewer/render/scene.h"
+#include "viewer/scene/scene.h"
 
 namespace armature::viewer {
 

@@ -6,10 +6,10 @@
 
 #include <armature/sdk/error.h>
 
-#include "viewer/render/camera.h"
 #include "viewer/render/drawing.h"
 #include "viewer/render/gl_objects.h"
 #include "viewer/render/image.h"
+#include "viewer/scene/camera.h"
 
 namespace armature::viewer {
 

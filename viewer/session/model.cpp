@@ -8,8 +8,8 @@
 #include <armature/sdk/io/write_mesh.h>
 #include <armature/sdk/mesh/measures.h>
 
-#include "viewer/render/scene.h"
-#include "viewer/render/shading.h"
+#include "viewer/scene/scene.h"
+#include "viewer/scene/shading.h"
 #include "viewer/session/posing.h"
 
 namespace armature::viewer {

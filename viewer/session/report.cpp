@@ -101,8 +101,10 @@ std::map<std::string, std::string> Session::report() const {
   facts["mesh"] = kMeshLooks[static_cast<std::size_t>(looks.mesh)];
   facts["tool"] = kTools[static_cast<std::size_t>(tool)];
   facts["models"] = std::to_string(models.size());
-  if (longest_frame.count() > 0)
+  if (longest_frame.count() > 0) {
     facts["frame.longest_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_frame.count()));
+    facts["frame.longest_work_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_work.count()));
+  }
   facts["notice"] = notice;
   facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
   facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);

@@ -213,7 +213,7 @@ Model* Session::other() const {
   return beside == 0 || beside > models.size() || beside - 1 == active_model ? nullptr : models[beside - 1].get();
 }
 
-std::optional<Picked> Session::pick(const ViewPoint& at) {
+std::optional<Picked> Session::pick(const ViewPoint& at) const {
   if (models.empty()) return std::nullopt;
   Model& model = *models[active_model];
   const sdk::Ray ray = camera.ray(at);

@@ -102,7 +102,7 @@ class Session {
   /// The model that is shown beside the active one, or none.
   [[nodiscard]] Model* other() const;
   /// What is seen at a place of the view, if anything is.
-  [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at);
+  [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at) const;
   /// Facts by name, for scripts to print and to expect.
   [[nodiscard]] std::map<std::string, std::string> report() const;
 
@@ -130,8 +130,11 @@ class Session {
   bool failed = false;     ///< a line has failed, or an expectation
   bool forgiving = false;  ///< what fails now does not count
   bool quit = false;
-  /// The longest that a window took for a frame, waiting aside, since that was last told.
-  Time longest_frame{0};
+  ///@{
+  /// The longest that a window took for a frame, waiting aside, since that was last told: by the clock, and in
+  /// processor time of its thread.
+  Time longest_frame{0}, longest_work{0};
+  ///@}
   Time now{0};
 
   void tell(std::string text, bool error = false);

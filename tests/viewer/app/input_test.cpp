@@ -82,7 +82,7 @@ class Hands : public ::testing::Test {
 
   ImGuiContext* context = nullptr;
   Session session;
-  Ui ui{.session = session};
+  Ui ui{.commanded = session};
 };
 
 TEST_F(Hands, TurnTheModelWithTheToolForLooking) {

@@ -6,7 +6,7 @@
 namespace armature::viewer {
 
 void draw_pose_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const Model& model = *session.models[session.active_model];
   section("Pose");
   ImGui::BeginDisabled(session.job.running());

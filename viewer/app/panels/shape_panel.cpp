@@ -10,7 +10,7 @@ namespace {
 
 /// Whether mesh and spheres are shown: on the pages of both.
 void draw_shown(Ui& ui, const Model& model) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (model.mesh) {
     const int mesh = choice_row("mesh", static_cast<int>(session.looks.mesh), {"Mesh", "Glass", "Hidden"});
     if (mesh >= 0) ui.issue("mesh {}", kMeshLooks[static_cast<std::size_t>(mesh)]);
@@ -23,7 +23,7 @@ void draw_shown(Ui& ui, const Model& model) {
 }
 
 void draw_looks(Ui& ui, const Model& model) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   section("Shown");
   draw_shown(ui, model);
   if (model.mesh) {
@@ -89,7 +89,7 @@ void draw_shape_panel(Ui& ui) {
 }
 
 void draw_sphere_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const Model& model = *session.models[session.active_model];
   section("Spheres");
   const bool busy = session.job.running();

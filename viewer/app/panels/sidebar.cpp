@@ -13,7 +13,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 void draw_models(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
@@ -54,7 +54,7 @@ void draw_panel(Ui& ui) {
 }  // namespace
 
 void draw_sidebar(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({ui.view.at.x, ui.view.size.y});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
@@ -101,7 +101,7 @@ void draw_log(Ui& ui) {
 }
 
 void draw_status_bar(Ui& ui, const Area& area) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImGui::SetNextWindowPos(area.at);
   ImGui::SetNextWindowSize(area.size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
@@ -131,7 +131,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
     ImGui::TextUnformatted(session.notice.c_str());
     ImGui::PopStyleColor();
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
-    if (ImGui::IsItemClicked()) session.notice.clear();
+    if (ImGui::IsItemClicked()) ui.tell("");
   } else {
     if (session.preparing.running()) draw_progress(session.preparing);
     static constexpr std::array<const char*, 8> kHints = {
@@ -152,7 +152,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
 
 /// The numbers of the list's matches, where they are.
 void draw_match_numbers(Ui& ui, ImDrawList& draw) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (session.mode != Mode::Shapes || session.models.empty()) return;
   const Model& model = *session.models[session.active_model];
   const auto& selecting = model.selecting;
@@ -179,7 +179,7 @@ void draw_match_numbers(Ui& ui, ImDrawList& draw) {
 }
 
 void draw_view_hints(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   if (session.mode == Mode::Shapes && session.models.empty() && !session.job.running()) {
     const char* lines[] = {"Open a model, or drop one here", "or choose Walk to go through a city"};
