@@ -1,6 +1,7 @@
 // What the mouse and the keys do in the view, without a window: ImGui is told where they are.
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -14,22 +15,22 @@ namespace {
 using Eigen::Vector3d;
 using sdk::VertexId;
 
-/// A ball of radius 1 in rings of faces.
-std::shared_ptr<Model> ball() {
-  constexpr std::size_t kRings = 24, kSides = 48;
+/// A ball of radius 1 in so many rings of faces.
+std::shared_ptr<Model> ball(std::size_t rings = 24) {
+  const std::size_t sides = 2 * rings;
   sdk::Mesh mesh;
-  for (std::size_t ring = 0; ring <= kRings; ++ring) {
-    const double polar = std::numbers::pi * static_cast<double>(ring) / kRings;
-    for (std::size_t side = 0; side < kSides; ++side) {
-      const double around = 2 * std::numbers::pi * static_cast<double>(side) / kSides;
+  for (std::size_t ring = 0; ring <= rings; ++ring) {
+    const double polar = std::numbers::pi * static_cast<double>(ring) / static_cast<double>(rings);
+    for (std::size_t side = 0; side < sides; ++side) {
+      const double around = 2 * std::numbers::pi * static_cast<double>(side) / static_cast<double>(sides);
       mesh.positions.emplace_back(std::sin(polar) * std::sin(around), std::cos(polar),
                                   std::sin(polar) * std::cos(around));
     }
   }
-  const auto vertex = [&](std::size_t ring, std::size_t side) { return VertexId(ring * kSides + side % kSides); };
-  for (std::size_t ring = 0; ring < kRings; ++ring) {
-    for (std::size_t side = 0; side < kSides; ++side) {
-      if (ring + 1 < kRings)
+  const auto vertex = [&](std::size_t ring, std::size_t side) { return VertexId(ring * sides + side % sides); };
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    for (std::size_t side = 0; side < sides; ++side) {
+      if (ring + 1 < rings)
         mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side), vertex(ring + 1, side + 1)});
       if (ring > 0) mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side + 1), vertex(ring, side + 1)});
     }
@@ -305,6 +306,66 @@ TEST_F(Hands, WalkThroughTheCity) {
   frame({300, 100});
   EXPECT_GT(session.walk.pose().x_m, 1) << "a drag upwards walks forward";
   EXPECT_NEAR(session.walk.pose().y_m, 0, 1e-9);
+}
+
+/// All facts of a session but what it has said and what it still measures.
+std::map<std::string, std::string> facts_of(const Session& session) {
+  auto facts = session.report();
+  std::erase_if(facts, [](const auto& fact) { return fact.first == "notice" || fact.first.ends_with("_percent"); });
+  return facts;
+}
+
+void carry_out(Session& session, const std::string& line) {
+  static_cast<void>(session.execute(line));
+  while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+}
+
+TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
+  ImGui::GetIO().DisplaySize = {690, 800};
+  std::size_t clicked = 0;
+  for (const std::vector<std::string>& lines : {std::vector<std::string>{"panel look"},
+                                                {"panel spheres"},
+                                                {"pose", "handle 0"},
+                                                {"panel select"},
+                                                {"tool brush"},
+                                                {"similarity gls 0", "panel edit", "edit displace 0.01 map"}}) {
+    Session used;
+    Ui panels{.commanded = used, .view = {{290, 0}, {400, 764}}};
+    used.add(ball(6));
+    for (const char* line : {"lasso -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2", "expand", "build", "level 8"})
+      carry_out(used, line);
+    for (const std::string& line : lines) carry_out(used, line);
+    const std::size_t before = used.log().size();
+    const auto draw = [&](const ImVec2& mouse, bool down) {
+      ImGui::GetIO().MousePos = mouse;
+      ImGui::GetIO().MouseDown[0] = down;
+      ImGui::NewFrame();
+      draw_sidebar(panels);
+      ImGui::EndFrame();
+      for (int waited = 0; used.job.running(); ++waited) {
+        used.update(used.now + std::chrono::milliseconds(5));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        // What takes long is none of this test's business: cancelled, it leaves everything as it was.
+        if (waited == 200) static_cast<void>(used.execute("cancel"));
+      }
+    };
+    // From below the buttons that open dialogs on.
+    for (float y = 100; y < 560; y += 9) {
+      for (const float x : {40.F, 110.F, 180.F, 250.F}) {
+        for (const bool down : {false, true, false}) draw({x, y}, down);
+        panels.log = false;
+        if (used.models.size() > 1) carry_out(used, "close");  // what is made of it is made once
+        ASSERT_FALSE(panels.dialog);
+      }
+    }
+    clicked += used.log().size() - before;
+    Session again;
+    again.aspect = used.aspect;
+    again.add(ball(6));
+    for (const std::string& line : used.log()) carry_out(again, line);
+    EXPECT_EQ(facts_of(again), facts_of(used)) << lines.back();
+  }
+  EXPECT_GT(clicked, 100U);
 }
 
 }  // namespace
