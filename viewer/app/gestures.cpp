@@ -224,7 +224,9 @@ void end_gesture(Ui& ui) {
   ui.stroke.clear();
 }
 
-bool follow_gesture(Ui& ui) {
+namespace {
+
+bool follow_stroke(Ui& ui) {
   if (!ui.gesture) return false;
   Gesture& gesture = *ui.gesture;
   static_cast<void>(gesture.following.poll());
@@ -248,6 +250,13 @@ bool follow_gesture(Ui& ui) {
                             });
                           });
   return true;
+}
+
+}  // namespace
+
+bool follow_gesture(Ui& ui) {
+  const bool pose = follow_gizmo(ui);
+  return follow_stroke(ui) || pose;
 }
 
 }  // namespace armature::viewer

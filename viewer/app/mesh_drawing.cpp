@@ -5,6 +5,7 @@
 
 #include "viewer/scene/coarse_mesh.h"
 #include "viewer/session/maps.h"
+#include "viewer/session/posing.h"
 
 namespace armature::viewer {
 
@@ -12,10 +13,10 @@ namespace armature::viewer {
 struct MeshDrawing::Source {
   std::shared_ptr<const MeshShape> shape;  // holds what follows,
   std::shared_ptr<const ShadedMesh> tried;
-  std::optional<sdk::Mesh> posed;
-  const sdk::Mesh& mesh() const { return posed ? *posed : tried ? tried->mesh : shape->mesh; }
+  std::shared_ptr<const Pose> pose;
+  const sdk::Mesh& mesh() const { return pose ? pose->mesh : tried ? tried->mesh : shape->mesh; }
   std::span<const std::array<Eigen::Vector3d, 3>> normals() const {
-    if (posed) return {};
+    if (pose) return {};
     return tried ? tried->normals : shape->normals;
   }
   sdk::Sphere frame;
@@ -32,7 +33,7 @@ MeshDrawing::Source MeshDrawing::source_of(const std::shared_ptr<const Model>& m
   const bool has_coarse = !model->posing && model->shown_mesh().triangles.size() > most_fluent_faces_;
   Source source{.shape = model->mesh,
                 .tried = model->editing.tried,
-                .posed = {},
+                .pose = {},
                 .frame = model->around(),
                 .layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
                 .wireframe = looks.wireframe,
@@ -40,7 +41,7 @@ MeshDrawing::Source MeshDrawing::source_of(const std::shared_ptr<const Model>& m
                 .is_new = is_new,
                 .coarse_cells = has_coarse ? coarse_cells_ : 0,
                 .coarse_source = {}};
-  if (model->posing && is_new) source.posed = model->posed;
+  if (model->posing) source.pose = model->previewed ? model->previewed : model->pose;
   if (!is_new) source.coarse_source = coarse_source_;
   return source;
 }

@@ -22,6 +22,7 @@ struct Area {
 };
 
 struct Gesture;
+struct GizmoDrag;
 
 /// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
 struct Ui {
@@ -40,6 +41,7 @@ struct Ui {
   bool log = false;                            ///< the list of commands is open
   std::vector<ImVec2> stroke = {};             ///< what the mouse draws at the moment, in pixels
   std::shared_ptr<Gesture> gesture = nullptr;  ///< what it does there; and whether that is still being found
+  std::shared_ptr<GizmoDrag> drag = nullptr;   ///< what a handle of a pose is dragged to
   bool following = false;
 
   /// Carries a command out; what fails is shown as the session's notice.
@@ -74,6 +76,8 @@ void handle_input(Ui& ui);
 /// Shows what is held of a posed shape and lets the mouse move it; whether the mouse is taken by it. `over`: the mouse
 /// is over the view.
 bool handle_gizmo(Ui& ui, bool over);
+/// Shows how what is dragged would lie, as soon as that is found. Call it once a frame; whether there is more to find.
+bool follow_gizmo(Ui& ui);
 
 ///@{
 /// Small things that panels are made of.

@@ -32,9 +32,9 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
   }
   if (model.posing) {
     facts["held"] = std::to_string(model.handle.size());
-    facts["steps"] = std::to_string(model.posing->steps());
+    facts["steps"] = std::to_string(model.pose->steps);
     Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& position : model.posed.positions) box.extend(position);
+    for (const Eigen::Vector3d& position : model.shown_mesh().positions) box.extend(position);
     for (const auto& [name, place] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
       facts[fmt::format("lowest.{}", name)] = fmt::format("{:.5f}", box.min()[place]);
       facts[fmt::format("highest.{}", name)] = fmt::format("{:.5f}", box.max()[place]);

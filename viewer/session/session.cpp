@@ -96,9 +96,24 @@ void Session::take_job() {
   }
 }
 
+void Session::discard(std::shared_ptr<const void> unwanted) {
+  if (unwanted) unwanted_.push_back(std::move(unwanted));
+}
+
+/// What is not wanted any more goes with a job of its own.
+void Session::clear_out() {
+  static_cast<void>(discarding_.poll());
+  if (unwanted_.empty() || discarding_.running()) return;
+  discarding_.start("clearing out", [unwanted = std::exchange(unwanted_, {})](const sdk::Task&) mutable {
+    unwanted.clear();
+    return sdk::Expected<Job::Apply>(Job::Apply());
+  });
+}
+
 void Session::update(Time time) {
   now = time;
   take_job();
+  clear_out();
   walk.update(time);
   bool is_error = false;
   if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);

@@ -277,23 +277,23 @@ TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
     while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
   }
   const Model& model = *session.models.front();
-  const auto grip = session.camera.project(model.posing->shape().spheres.front().centre);
+  const auto grip = session.camera.project(model.spheres->shape.spheres.front().centre);
   const ImVec2 from(300 + 200 * static_cast<float>(grip.x()), 200 - 200 * static_cast<float>(grip.y()));
   frame(from);
   ImGui::GetIO().MouseDown[0] = true;
   frame(from);
   frame({from.x + 30, from.y});
-  EXPECT_NE(model.posed.positions, model.mesh->mesh.positions) << "a preview";
+  EXPECT_NE(model.shown_mesh().positions, model.mesh->mesh.positions) << "a preview";
   // Ctrl+Z in the middle of the drag.
   ASSERT_TRUE(session.execute("undo"));
   frame({from.x + 60, from.y});
-  EXPECT_EQ(model.posed.positions, model.mesh->mesh.positions);
+  EXPECT_EQ(model.shown_mesh().positions, model.mesh->mesh.positions);
   ImGui::GetIO().MouseDown[0] = false;
   frame({from.x + 60, from.y});
   ASSERT_TRUE(session.execute("handle 0"));
   frame({from.x + 90, from.y + 10});
-  EXPECT_EQ(model.posed.positions, model.mesh->mesh.positions) << "that drag is over";
-  EXPECT_EQ(model.posing->steps(), 0U);
+  EXPECT_EQ(model.shown_mesh().positions, model.mesh->mesh.positions) << "that drag is over";
+  EXPECT_EQ(model.pose->steps, 0U);
 }
 
 TEST_F(Hands, WalkThroughTheCity) {
