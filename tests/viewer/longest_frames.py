@@ -47,6 +47,8 @@ def main(arguments):
             for line in step:
                 lines += [line, "wait 0.02"]
             lines.append("report")
+        # A window would stay open where a line fails, for people to read why.
+        lines = [line if line.startswith(("wait", "report")) else f"try {line}" for line in lines]
         (Path(folder) / "script.txt").write_text("\n".join([*lines, "quit"]) + "\n")
         viewer = subprocess.Popen(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", programs / "armature-viewer",
                                    "--script", "script.txt"], cwd=folder, stdout=subprocess.PIPE, text=True)

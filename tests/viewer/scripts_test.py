@@ -219,7 +219,7 @@ class Viewer(unittest.TestCase):
         commands = {line.split()[0] for line in listed.stdout.splitlines() if line.strip()}
         issued = {}
         for source in sorted((HERE.parents[1] / "viewer/app").rglob("*.cpp")):
-            for word in re.findall(r'\bissue\(\s*"([a-z-]+)', source.read_text()):
+            for word in re.findall(r'\b(?:issue\(|issue_gesture_line\(ui, (?:fmt::format\()?)\s*"([a-z-]+)', source.read_text()):
                 issued.setdefault(word, source.name)
         self.assertGreater(len(issued), 40)
         self.assertEqual({word: source for word, source in issued.items() if word not in commands}, {})

@@ -44,6 +44,11 @@ void Session::tell(std::string text, bool error) {
   notice_since = now;
 }
 
+/// What failed is old news once something else has been done; to look at it from elsewhere is not that.
+void Session::forget_error(std::string_view command) {
+  if (notice_is_error && !replaces_itself(command)) tell("");
+}
+
 sdk::Expected<void> Session::execute(std::string_view line) {
   const auto fails = [&](const std::string& why) -> sdk::Expected<void> {
     tell(why, true);
@@ -69,6 +74,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
     return {};
   }
   if (is_about_scripts(*command)) return {};
+  forget_error(name);
   // What a job began with stays before it.
   const std::size_t first = job.running() ? pending_at_ : 0;
   if (log_.size() > first && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
@@ -85,6 +91,7 @@ void Session::take_job() {
   if (!done) return;
   if (*done) {
     const std::string_view name = first_word(pending_line_);
+    forget_error(name);
     if (pending_at_ > 0 && replaces_itself(name) && first_word(log_[pending_at_ - 1]) == name)
       log_.erase(log_.begin() + static_cast<std::ptrdiff_t>(--pending_at_));
     log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);

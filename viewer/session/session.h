@@ -151,6 +151,7 @@ class Session {
   void measure_level();
   void prepare_tool();
   void clear_out();
+  void forget_error(std::string_view command);
   void take_job();
 
   std::vector<std::string> log_;

@@ -173,6 +173,31 @@ TEST_F(Hands, SeeWhatABrushWillSelectBeforeTheyLetGo) {
   EXPECT_EQ(selecting.selection.faces(), drawn);
 }
 
+TEST_F(Hands, DrawOnBeforeTheStrokeBeforeHasBeenSelected) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const auto draw = [&](const ImVec2& from, bool shift) {
+    ImGui::GetIO().KeyShift = shift;
+    for (int i = 0; i < 8; ++i) {
+      ImGui::GetIO().MouseDown[0] = i > 0 && i < 7;
+      ImGui::GetIO().MousePos = {from.x + 4 * static_cast<float>(i), from.y};
+      ImGui::NewFrame();
+      handle_input(ui);
+      ImGui::EndFrame();
+    }
+    ImGui::GetIO().KeyShift = false;
+  };
+  // Nothing takes what the background has found until all three are drawn.
+  draw({240, 200}, false);
+  EXPECT_TRUE(session.job.running());
+  draw({340, 200}, true);
+  draw({300, 150}, true);
+  EXPECT_EQ(selected(), 0U);
+  for (int i = 0; i < 3; ++i) frame({300, 300});
+  EXPECT_EQ(session.models.front()->selecting.strokes.strokes.size(), 3U);
+  EXPECT_GT(selected(), 30U);
+  EXPECT_EQ(session.notice, "");
+}
+
 /// Two balls in one skin: a waist between them, at the height 0.
 std::shared_ptr<Model> waisted() {
   constexpr double kWaist = 0.25;

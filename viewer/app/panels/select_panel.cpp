@@ -72,7 +72,7 @@ void draw_expansion(Ui& ui, const Selecting& selecting) {
   ImGui::SameLine();
   if (ImGui::Button("None")) ui.issue("matches 0");
   ImGui::SameLine();
-  if (ImGui::Button("Undo a verdict")) ui.issue("reconsider");
+  if (ImGui::Button("Undo verdict")) ui.issue("reconsider");
   const std::size_t listed = std::min<std::size_t>(static_cast<std::size_t>(shown) + 2, selecting.expansion->size());
   // A verdict changes the list: the rest of it is drawn in the next frame.
   const std::size_t steps = ui.session.log().size();
