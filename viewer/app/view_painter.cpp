@@ -124,7 +124,7 @@ sdk::Expected<void> ViewPainter::paint_quickly(const Camera& camera, int width, 
   const auto start = std::chrono::steady_clock::now();
   const int share = halves_ ? 2 : 1;
   auto painted = quick_.paint(drawings_, camera, std::max(1, width / share), std::max(1, height / share),
-                              {.samples_a_side = 1, .obscurance = false});
+                              {.samples_a_side = 1, .obscurance = false, .most_ray_cast = options_.most_fluent_cones});
   glFinish();
   // All pixels take four times as long, at most.
   halves_ = (halves_ ? 4 : 1) * milliseconds_since(start) > options_.slow_ms;

@@ -22,6 +22,7 @@ class ViewPainter {
     double slow_ms = 70;                      ///< after a quick one that takes longer they have half the pixels a side
     std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
     std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
+    GLsizei most_fluent_cones = 100'000;      ///< of a sphere-mesh of more only triangles are drawn while it moves,
     std::size_t most_fluent_spheres = 5'000;  ///< a sphere-mesh of more is made in the background
   };
   [[nodiscard]] static sdk::Expected<ViewPainter> create(const Options& options);

@@ -22,20 +22,34 @@ Records::Records(const Bytes& bytes, std::initializer_list<RecordMember> members
   buffer_ = GlBuffer(name);
   glBindBuffer(GL_ARRAY_BUFFER, name);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes.count * bytes.size), nullptr, GL_STATIC_DRAW);
+  stride_ = static_cast<GLsizei>(bytes.size);
+  members_ = members;
+  instanced_ = instanced;
+  point_at(0);
+}
+
+/// Lets the members be those of the records from that one on.
+void Records::point_at(GLint first) const {
+  glBindBuffer(GL_ARRAY_BUFFER, buffer_.get());
   GLuint index = 0;
-  const auto stride = static_cast<GLsizei>(bytes.size);
-  for (const RecordMember& member : members) {
+  for (const RecordMember& member : members_) {
     // NOLINTNEXTLINE(performance-no-int-to-ptr): an offset into the buffer, as OpenGL has it.
-    const auto* offset = reinterpret_cast<const void*>(member.offset);
+    const auto* offset = reinterpret_cast<const void*>(member.offset + static_cast<std::size_t>(first) *
+                                                                           static_cast<std::size_t>(stride_));
     if (member.integer) {
-      glVertexAttribIPointer(index, member.components, member.type, stride, offset);
+      glVertexAttribIPointer(index, member.components, member.type, stride_, offset);
     } else {
       const bool is_colour = member.type == GL_UNSIGNED_BYTE;
-      glVertexAttribPointer(index, member.components, member.type, is_colour ? GL_TRUE : GL_FALSE, stride, offset);
+      glVertexAttribPointer(index, member.components, member.type, is_colour ? GL_TRUE : GL_FALSE, stride_, offset);
     }
-    if (instanced) glVertexAttribDivisor(index, 1);
+    if (instanced_) glVertexAttribDivisor(index, 1);
     glEnableVertexAttribArray(index++);
   }
+}
+
+void Records::bind_from(GLint first) const {
+  bind();
+  point_at(first);
 }
 
 void Records::add_colours(GLuint index) {

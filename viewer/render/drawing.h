@@ -39,6 +39,8 @@ class Records {
   ///@}
   [[nodiscard]] GLsizei count() const noexcept { return count_; }
   void bind() const { glBindVertexArray(array_.get()); }
+  /// The same, for instances from that one on.
+  void bind_from(GLint first) const;
 
  private:
   struct Bytes {
@@ -49,7 +51,11 @@ class Records {
 
   GlVertexArray array_;
   GlBuffer buffer_, colours_;
-  GLsizei count_ = 0;
+  void point_at(GLint first) const;
+
+  GLsizei count_ = 0, stride_ = 0;
+  std::vector<RecordMember> members_;
+  bool instanced_ = false;
 };
 
 /// A scene on the card, drawn as often as one likes. Made, used and deleted while its context is current.

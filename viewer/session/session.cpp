@@ -12,6 +12,8 @@ namespace {
 
 /// Points at which the error of a level is measured while the slider moves.
 constexpr std::size_t kLevelSamples = 20'000;
+/// Of more spheres measuring takes minutes, in which it cannot be cancelled.
+constexpr std::size_t kMostMeasured = 10'000;
 /// How long a notice that is no error is shown.
 constexpr auto kNoticeStays = std::chrono::seconds(8);
 /// How long a level must stand before its error is worth measuring.
@@ -145,6 +147,11 @@ void Session::measure_level() {
     model->spheres->unmeasured = done->error().message;
   }
   if (model->spheres->errors || !model->spheres->unmeasured.empty()) return;
+  if (model->spheres->shape.spheres.size() > kMostMeasured) {
+    model->spheres->unmeasured = "measured up to " + std::to_string(kMostMeasured) +
+                                 " spheres only: more take minutes, with `armature spheremesh measure`";
+    return;
+  }
   if (measuring_.running() || now - level_since_ < kLevelRests) return;
   measuring_.start("measuring",
                    [mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
