@@ -29,6 +29,13 @@ SOURCE_SUFFIXES = {".h", ".hpp", ".c", ".cpp", ".cc"}
 TEXT_SUFFIXES = SOURCE_SUFFIXES | {".md", ".txt", ".cmake", ".json", ".toml", ".py", ".sh", ".fbs", ".in", ""}
 MOST_LINES_OF_A_SOURCE = 600
 MOST_LINES_OF_A_README = 40
+MOST_LINES_OF_A_PANEL = 400
+PANELS = Path("viewer/app/panels")
+# What would let a panel change what is open by itself; lines of text alone do, so that a script can hold all of it.
+CHANGE = re.compile(r"\bcommanded\b|\bexecute\(|(?<!const )\b(?:Session|Model|Selecting|Editing|SphereShape)&"
+                    r"|models\[[^\]]*\]->[\w.]+ ?(?:[-+*/|&]?=(?!=)|\+\+)|(?:\+\+|--)[\w.]*models\[")
+PAINTS = Path("viewer/render")
+PAINTS_WITH = "armature/sdk/error.h"  # all that it may know of the sdk, which is about geometry
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 DOCUMENT_LINK = re.compile(r"\]\(([^)\s]+)\)")
 UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
@@ -193,6 +200,14 @@ def check_links_of(root, path, text):
                 yield f"{path}: links to {target}, which is not there"
 
 
+def check_panel(path, lines):
+    if len(lines) > MOST_LINES_OF_A_PANEL:
+        yield f"{path}: a panel of {len(lines)} lines ({MOST_LINES_OF_A_PANEL} at most)"
+    for number, line in enumerate(lines, 1):
+        if CHANGE.search(line):
+            yield f"{path}:{number}: a panel issues commands and changes nothing itself: {line.strip()}"
+
+
 def check_house(root, files):
     for path in files:
         text = text_of(root / path)
@@ -205,6 +220,12 @@ def check_house(root, files):
             yield f"{path}: {len(lines)} lines ({MOST_LINES_OF_A_README} at most)"
         if path.suffix == ".md":
             yield from check_links_of(root, path, text)
+        if path.suffix in SOURCE_SUFFIXES and path.parent == PANELS:
+            yield from check_panel(path, lines)
+        if path.suffix in SOURCE_SUFFIXES and path.parent == PAINTS:
+            for number, _, name in includes_of(root, path):
+                if name.startswith("armature/sdk/") and name != PAINTS_WITH:
+                    yield f"{path}:{number}: paints, and leaves geometry to others: no {name}"
         if path.name == "LICENSE":
             continue
         for number, line in enumerate(lines, 1):
