@@ -210,7 +210,7 @@ std::string in_percent(double share) {
 /// A candidate's way from a node to a part.
 struct Solved {
   std::vector<FaceId> faces = {};
-  PartFit registration = {};
+  PartFit laid = {};
   Histogram histogram = {};
   bool copy = false;  ///< of the reference, moved, scaled or mirrored
 };
@@ -265,17 +265,17 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
     const PartFrame frame = frame_of(surface, result.faces);
     const PartFrame& wanted_frame = onto_reference.frame();
     const double girth_scale = reference_root.girth / node.girth;
-    result.registration = onto_reference.lay(frame, girth_scale, middles(mesh, result.faces, kSamples));
+    result.laid = onto_reference.lay(frame, girth_scale, middles(mesh, result.faces, kSamples));
     // What is like the reference as a whole, or else about the cut, ends where the reference does.
     const Ring ring = cutter.ring_around(node, std::max(kReach * model.offset(node.through), kCarryReach * node.girth));
-    result.copy = result.registration.residual < kCopy * wanted_frame.size;
+    result.copy = result.laid.residual < kCopy * wanted_frame.size;
     const auto about_cut = some_of(mesh, ring.near, kSamples);
-    PartFit carry = result.copy ? onto_reference.refine(result.registration, about_cut)
+    PartFit carry = result.copy ? onto_reference.refine(result.laid, about_cut)
                                 : onto_reference.lay(frame, girth_scale, about_cut);
     if (result.copy) {
       // All of a copy is a better witness than the cut's surroundings, unless these say clearly otherwise: it is bent.
       constexpr double kClearly = 0.6;
-      PartFit whole = result.registration;
+      PartFit whole = result.laid;
       whole.residual = onto_reference.residual(whole.reference_from_part, about_cut);
       if (carry.residual > kClearly * whole.residual) carry = whole;
     }
@@ -324,8 +324,8 @@ Expected<Expansion> expand_part(const PartModel& model, const PartModel& of, std
     for (const FaceId face : result.faces) taken[face.index()] = true;
     Match match{.faces = std::move(result.faces),
                 .score = likeness,
-                .reference_from_match = result.registration.reference_from_part,
-                .mirrored = result.registration.mirrored};
+                .reference_from_match = result.laid.reference_from_part,
+                .mirrored = result.laid.mirrored};
     match.reason = result.copy ? "a copy" : "area spreads " + in_percent(likeness) + " alike from cut to tip";
     if (match.mirrored) match.reason += ", mirrored";
     const double scale = 1 / std::cbrt(std::abs(match.reference_from_match.topLeftCorner<3, 3>().determinant()));

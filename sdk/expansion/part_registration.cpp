@@ -222,8 +222,8 @@ PartFit PartRegistration::lay(const PartFrame& part, double scale, std::span<con
     std::ranges::stable_sort(best, {}, &Start::error);
   }
   // What is much worse from the start will not come out best.
-  constexpr double kHopeless = 2;
-  constexpr std::size_t kTried = 2;
+  constexpr double kHopeless = 4;
+  constexpr std::size_t kTried = 3;
   constexpr double kWell = 0.005;  // of the root of the area: what fits so well lies right
   constexpr double kBetter = 0.8;  // round things fit as well at any turn: the first stays
   const double hopeless = kHopeless * std::min(starts[0].front().error, starts[1].front().error);
@@ -241,7 +241,7 @@ PartFit PartRegistration::lay(const PartFrame& part, double scale, std::span<con
   // Most parts are like their mirror image: only one that fits clearly better counts.
   if (starts[1].front().error > kHopeless * starts[0].front().error) return plain;
   const PartFit mirrored = finished(true);
-  constexpr double kClearlyBetter = 0.5;
+  constexpr double kClearlyBetter = 0.7;
   return mirrored.residual < kClearlyBetter * plain.residual ? mirrored : plain;
 }
 

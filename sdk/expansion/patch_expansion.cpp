@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <numeric>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,17 +14,14 @@
 #include <armature/sdk/mesh/measures.h>
 #include <tbb/parallel_for.h>
 
+#include "sdk/expansion/patch_places.h"
 #include "sdk/expansion/patch_registration.h"
+#include "sdk/expansion/spread_context.h"
 #include "sdk/selection/surface_walk.h"
 
 namespace armature::sdk {
 namespace {
 
-static const std::size_t kTried =
-    getenv("KT") ? atoi(getenv("KT"))
-                 : 2;               // places that the patch is laid onto roughly, of each that is looked at closely
-constexpr double kApart = 0.75;     // centres of candidates, of the radius
-constexpr double kSamePlace = 0.5;  // the same of candidates of different sizes
 constexpr double kPromising = 0.5;  // a fit that is worth another look
 constexpr double kAstray = 0.2;     // how far from its place a centre may lie without one, of the radius
 constexpr double kOverlap = 0.3;    // of the smaller of two regions, beyond which they are one place
@@ -33,56 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-/// A place where a patch like the reference may lie.
-struct Place {
-  VertexId centre;
-  double scale;
-  float similarity;
-};
-
-/// The local maxima of a similarity map that no better one is near, best first.
-std::vector<Place> maxima(const Surface& surface, const std::vector<float>& similarity, double radius, double scale,
-                          std::size_t most) {
-  const auto better = [&](VertexId a, VertexId b) {
-    return similarity[a.index()] != similarity[b.index()] ? similarity[a.index()] > similarity[b.index()] : a < b;
-  };
-  std::vector<VertexId> tops;
-  for (std::size_t i = 0; i < similarity.size(); ++i) {
-    const VertexId vertex(i);
-    if (similarity[i] > 0 && std::ranges::none_of(surface.adjacency.neighbours(vertex),
-                                                  [&](VertexId other) { return better(other, vertex); }))
-      tops.push_back(vertex);
-  }
-  std::ranges::sort(tops, better);
-  std::vector<Place> places;
-  for (const VertexId top : tops) {
-    if (places.size() == most) break;
-    const Eigen::Vector3d& p = surface.mesh.position(top);
-    const bool alone = std::ranges::none_of(
-        places, [&](const Place& place) { return (surface.mesh.position(place.centre) - p).norm() < kApart * radius; });
-    if (alone) places.push_back({top, scale, similarity[top.index()]});
-  }
-  return places;
-}
-
-/// The places, best first; of those that differ in little but their size, the best two.
-std::vector<std::size_t> best_of_each_place(const Surface& surface, const std::vector<Place>& places, double radius) {
-  std::vector<std::size_t> order(places.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return places[i].similarity; });
-  std::vector<std::size_t> kept;
-  for (const std::size_t i : order) {
-    const auto there = std::ranges::count_if(kept, [&](std::size_t j) {
-      const double size = radius * std::min(places[i].scale, places[j].scale);
-      return places[i].scale != places[j].scale &&
-             (surface.mesh.position(places[i].centre) - surface.mesh.position(places[j].centre)).norm() <
-                 kSamePlace * size;
-    });
-    if (there < 2) kept.push_back(i);
-  }
-  return kept;
 }
 
 /// The corner that is closest to a point among those of the closest face.
@@ -100,7 +47,12 @@ std::string reason_of(double similarity, const PatchFit& laid) {
   std::string reason =
       in_words("surroundings %.0f %% alike, surfaces lie %.0f %% on one another", 100 * similarity, 100 * laid.fit);
   if (laid.mirrored) reason += ", mirrored";
-  if (laid.ambiguous) reason += ", turned otherwise nearly as well";
+  if (laid.turns_as_well || laid.mirrors_as_well) {
+    reason += ", nearly as well";
+    if (laid.turns_as_well) reason += " turned otherwise";
+    if (laid.turns_as_well && laid.mirrors_as_well) reason += " or";
+    if (laid.mirrors_as_well) reason += laid.mirrored ? " not mirrored" : " mirrored";
+  }
   if (std::abs(laid.scale - 1) > 0.05) reason += in_words(", %.2g times as large", laid.scale);
   return reason;
 }
@@ -113,13 +65,13 @@ class Distinct {
   /// Whether a region is new, which it then is no more; else the number of the region that it lies over.
   std::optional<std::size_t> taken_by(std::span<const FaceId> faces) {
     double own = 0;
-    std::vector<double> shared(region_areas_.size());
+    std::map<std::size_t, double> shared;  // with regions, in order
     for (const FaceId face : faces) {
       own += areas_[face.index()];
       if (owner_[face.index()] != kNobody) shared[owner_[face.index()]] += areas_[face.index()];
     }
-    for (std::size_t region = 0; region < shared.size(); ++region)
-      if (shared[region] > kOverlap * std::min(own, region_areas_[region])) return region;
+    for (const auto& [region, area] : shared)
+      if (area > kOverlap * std::min(own, region_areas_[region])) return region;
     for (const FaceId face : faces)
       if (owner_[face.index()] == kNobody) owner_[face.index()] = region_areas_.size();
     region_areas_.push_back(own);
@@ -148,7 +100,8 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   const auto ball = patch_ball(of_patch, patch);
   if (!ball) return tl::unexpected(ball.error());
   const bool same_surface = &surface == &of_patch;
-  const std::size_t most = options.most + (same_surface ? 1 : 0);  // the reference is like itself
+  const std::size_t asked_for = std::min(options.most, surface.mesh.positions.size());
+  const std::size_t most = asked_for + (same_surface ? 1 : 0);  // the reference is like itself
   PatchExpansionTimes took;
 
   // Where.
@@ -157,8 +110,10 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   if (!own) return tl::unexpected(own.error());
   const Histogram reference = own->of(ball->centre);
   std::vector<Candidate> candidates;
-  std::vector<Place> places;
+  std::vector<PatchPlace> places;  // of the candidates
+  std::vector<PatchPlace> passed_over;
   for (const double scale : options.scales) {
+    const std::size_t before = places.size();
     std::optional<PatchContexts> made;
     if (!same_surface || scale != 1) {
       auto contexts = PatchContexts::build(surface, scale * ball->radius, task);
@@ -168,12 +123,19 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
     const PatchContexts& contexts = made ? *made : *own;
     const auto similarity = contexts.similarity_to(reference, task);
     if (!similarity) return tl::unexpected(similarity.error());
-    for (const Place& place : maxima(surface, *similarity, scale * ball->radius, scale, most)) {
+    for (const PatchPlace& place : maxima(surface, *similarity, scale * ball->radius, scale)) {
+      if (places.size() == before + most) {
+        passed_over.push_back(place);
+        continue;
+      }
+      if (task.stopped()) return cancelled();
+      const PatchContext context = spread(contexts.of(place.centre));
       places.push_back(place);
-      candidates.push_back({{}, contexts.of(place.centre)});
+      candidates.push_back({{}, {context.begin(), context.end()}});
     }
   }
-  const std::vector<std::size_t> order = best_of_each_place(surface, places, ball->radius);
+  const RankedPlaces by_context = ranked(surface, places, ball->radius);
+  const std::vector<std::size_t>& order = by_context.first;
   took.map_ms = milliseconds_since(start);
 
   // What the reference is.
@@ -192,7 +154,7 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   const std::size_t looked_at = std::min(order.size(), most);
   tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t rank) {
     if (task.stopped()) return;
-    const Place& place = places[order[rank]];
+    const PatchPlace& place = places[order[rank]];
     PatchFit laid = model.lay(graph, place.centre, place.scale, options.mirrored);
     // Far from where it was looked for, not all of it was in sight.
     const VertexId centre = vertex_under(surface, apply(laid.target_from_reference, model.centre()));
@@ -222,26 +184,33 @@ Expected<Expansion> expand_patch(const Surface& surface, const Surface& of_patch
   if (same_surface) distinct.taken_by(reference_faces);
   std::vector<Candidate> matches;
   std::vector<Rejected> rejected;
-  const auto face_at = [&](std::size_t i) {
-    const auto faces = surface.adjacency.faces(places[i].centre);
+  const auto face_at = [&](const PatchPlace& place) {
+    const auto faces = surface.adjacency.faces(place.centre);
     return faces.empty() ? FaceId() : faces.front();
   };
   std::vector<std::size_t> by_score(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(looked_at));
   std::ranges::stable_sort(by_score, std::greater{}, [&](std::size_t i) { return candidates[i].match.score; });
   for (const std::size_t i : by_score) {
+    if (task.stopped()) return cancelled();
     Match& match = candidates[i].match;
     if (match.faces.empty()) {
-      rejected.push_back({face_at(i), "no face there comes to lie on the patch (" + match.reason + ")"});
+      rejected.push_back({face_at(places[i]), "no face there comes to lie on the patch (" + match.reason + ")"});
     } else if (const auto other = distinct.taken_by(match.faces)) {
       const bool is_reference = same_surface && *other == 0;
-      rejected.push_back({face_at(i), is_reference ? "lies over the reference itself" : "lies over a better match"});
+      rejected.push_back(
+          {face_at(places[i]), is_reference ? "lies over the reference itself" : "lies over a better match"});
     } else {
       matches.push_back(std::move(candidates[i]));
     }
   }
-  for (const std::size_t i : std::span(order).subspan(looked_at))
-    rejected.push_back({face_at(i), in_words("surroundings only %.0f %% alike: not among the best %.0f",
-                                             100 * double{places[i].similarity}, static_cast<double>(looked_at))});
+  for (const std::size_t i : by_context.others)
+    rejected.push_back({face_at(places[i]), "surroundings more alike at two other sizes"});
+  const auto reject_unseen = [&](const PatchPlace& place) {
+    rejected.push_back({face_at(place), in_words("surroundings only %.0f %% alike: not among the best %.0f",
+                                                 100 * double{place.similarity}, static_cast<double>(asked_for))});
+  };
+  for (const std::size_t i : std::span(order).subspan(looked_at)) reject_unseen(places[i]);
+  std::ranges::for_each(passed_over, reject_unseen);
   return Expansion(std::move(reference_faces), std::move(matches), std::move(rejected));
 }
 

@@ -52,11 +52,11 @@ void PatchReference::measure_border(const FaceGraph& graph) {
   });
 }
 
-std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const PatchFit& registration) const {
+std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const PatchFit& laid) const {
   const Surface& target = graph.surface();
   const Mesh& mesh = target.mesh;
-  const Matrix4d reference_from_target = registration.target_from_reference.inverse();
-  const SurfacePoint start = target.tree.closest(apply(registration.target_from_reference, around_.centre));
+  const Matrix4d reference_from_target = laid.target_from_reference.inverse();
+  const SurfacePoint start = target.tree.closest(apply(laid.target_from_reference, around_.centre));
   if (!start.face.valid()) return {};
   const double reach = (1 + kReach) * ball_.radius;
   // Where the patch's boundary is far, what holds for one face holds for those around it.
@@ -100,7 +100,7 @@ std::vector<FaceId> PatchReference::extent(const FaceGraph& graph, const PatchFi
     for (const FaceId next : graph.beside(from.first)) go_to(next, from.second);
   };
   // Piece by piece; outside of them only as long as there may be a larger one.
-  const double half = 0.5 * area_ * registration.scale * registration.scale;
+  const double half = 0.5 * area_ * laid.scale * laid.scale;
   std::vector<FaceId> largest;
   double most = 0;
   go_to(start.face, 0);

@@ -13,6 +13,7 @@
 
 #include "sdk/expansion/enclosing_ball.h"
 #include "sdk/expansion/point_tree.h"
+#include "sdk/expansion/spread_context.h"
 
 namespace armature::sdk {
 namespace {
@@ -77,30 +78,6 @@ Eigen::Vector3f smoothed(const PointColumns& points, const OrientedPoint& from) 
       sum += near.area * near.normal;
   }
   return sum.squaredNorm() > 0 ? sum.normalized() : from.normal;
-}
-
-using Context = std::array<float, PatchContexts::kDistances * PatchContexts::kAngles>;
-
-/// Every bin's share spread over it and its neighbours by 1/4, 1/2, 1/4, in either direction; nothing leaves.
-Context spread(std::span<const float> bins) {
-  constexpr std::size_t kWidth = PatchContexts::kAngles;
-  constexpr std::size_t kHeight = PatchContexts::kDistances;
-  Context across{};
-  for (std::size_t row = 0; row < kHeight; ++row) {
-    const auto from = bins.subspan(row * kWidth, kWidth);
-    float* const to = across.data() + row * kWidth;
-    to[0] = 0.75F * from[0] + 0.25F * from[1];
-    for (std::size_t i = 1; i + 1 < kWidth; ++i) to[i] = 0.5F * from[i] + 0.25F * (from[i - 1] + from[i + 1]);
-    to[kWidth - 1] = 0.75F * from[kWidth - 1] + 0.25F * from[kWidth - 2];
-  }
-  Context result{};
-  for (std::size_t row = 0; row < kHeight; ++row) {
-    const float* const before = across.data() + (row > 0 ? row - 1 : row) * kWidth;
-    const float* const here = across.data() + row * kWidth;
-    const float* const after = across.data() + (row + 1 < kHeight ? row + 1 : row) * kWidth;
-    for (std::size_t i = 0; i < kWidth; ++i) result[row * kWidth + i] = 0.5F * here[i] + 0.25F * (before[i] + after[i]);
-  }
-  return result;
 }
 
 void add_areas_plain(const PointColumns& points, const OrientedPoint& from, Bins& bins) {
@@ -202,11 +179,11 @@ struct PatchContexts::State {
   }
 
   /// The context of a vertex by its place, of points that are near it.
-  [[nodiscard]] Context context(std::size_t at, const PointColumns& nearby) const {
+  [[nodiscard]] PatchContext context(std::size_t at, const PointColumns& nearby) const {
     static const bool wide = has_avx2();
     Bins bins{};
     (wide ? add_areas_avx2 : add_areas_plain)(nearby, vertices.points().at(at), bins);
-    Context sums{};
+    PatchContext sums{};
     for (std::size_t bin = 0; bin < sums.size(); ++bin)
       for (const auto& lane : bins) sums[bin] += lane[bin];
     normalise(sums);
@@ -236,10 +213,13 @@ Histogram PatchContexts::of(VertexId vertex) const {
 }
 
 Expected<std::vector<float>> PatchContexts::similarity_to(std::span<const float> context, const Task& task) const {
+  constexpr std::size_t kShares = std::tuple_size_v<PatchContext>;
+  if (context.size() != kShares)
+    return fail("expected a context of " + std::to_string(kShares) + " bins, found " + std::to_string(context.size()));
   std::vector<float> similarity(state_->place_of.size());
   const auto& order = state_->vertices.order();
   const auto& points = state_->vertices.points();
-  const Context wanted = spread(context);
+  const PatchContext wanted = spread(context);
   const bool done = state_->for_each_point(state_->vertices, 1, task, [&](std::size_t at, const PointColumns& nearby) {
     const bool on_a_face = points.area[at] > 0;
     similarity[order[at]] =

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -101,13 +102,7 @@ struct OnTarget {
   Vector3d point, normal;
 };
 
-/// The middle of samples within a radius of a centre, by area, and the axes of their second moments, columns.
-struct Moments {
-  Vector3d middle;
-  Matrix3d axes;
-};
-
-Moments moments_of(std::span<const SurfaceSample> samples, const Vector3d& centre, double radius) {
+PatchMoments moments_of(std::span<const SurfaceSample> samples, const Vector3d& centre, double radius) {
   Vector3d first = Vector3d::Zero();
   Matrix3d second = Matrix3d::Zero();
   double area = 0;
@@ -125,7 +120,8 @@ Moments moments_of(std::span<const SurfaceSample> samples, const Vector3d& centr
 }
 
 /// The ways that lay one's moments onto another's, as they are or mirrored: axes know no sign.
-std::vector<PatchFit> by_moments(const Moments& reference, const Moments& target, double scale, bool mirrored) {
+std::vector<PatchFit> by_moments(const PatchMoments& reference, const PatchMoments& target, double scale,
+                                 bool mirrored) {
   std::vector<PatchFit> ways;
   for (int signs = 0; signs < 8; ++signs) {
     const Vector3d turned((signs & 1) != 0 ? -1 : 1, (signs & 2) != 0 ? -1 : 1, (signs & 4) != 0 ? -1 : 1);
@@ -213,6 +209,7 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
       ball_(ball),
       area_(area_of(*surface_, patch)),
       around_(graph, ball.centre, ball.radius, ball.radius),
+      moments_(moments_of(around_.samples, around_.centre, ball.radius)),
       grid_(samples_about(graph, ball.centre, ball.radius, (1 + kReach) * ball.radius), around_.centre,
             (1 + kReach) * ball.radius),
       shares_(*surface_, patch),
@@ -224,7 +221,7 @@ PatchReference::PatchReference(const FaceGraph& graph, std::span<const FaceId> p
 
 auto PatchReference::on_surface(const FaceGraph& graph, const SampleGrid& grid, double scale) const {
   // From what was found for a sample in the round before.
-  return [this, &graph, &grid, radius = scale * ball_.radius, last = std::vector<FaceId>(around_.samples.size())](
+  return [&graph, &grid, radius = scale * ball_.radius, last = std::vector<FaceId>(around_.samples.size())](
              std::size_t i, const Vector3d& from) mutable -> std::optional<OnTarget> {
     const SurfacePoint to = closest_near(graph, grid, last[i], from, radius);
     if (!to.face.valid()) return std::nullopt;
@@ -239,17 +236,25 @@ auto PatchReference::on_surface(const FaceGraph& graph, const SampleGrid& grid, 
 }
 
 void PatchReference::find_images() {
-  const Moments moments = moments_of(around_.samples, around_.centre, ball_.radius);
   const PatchFit itself;
+  // Best first, none twice, nor one that has come to lie as the reference does.
+  const auto keep_apart = [&] {
+    std::ranges::stable_sort(images_, std::greater{}, &PatchFit::fit);
+    std::vector<PatchFit> apart;
+    for (const PatchFit& image : images_)
+      if (differ(image, itself) &&
+          std::ranges::all_of(apart, [&](const PatchFit& better) { return differ(image, better); }))
+        apart.push_back(image);
+    images_ = std::move(apart);
+  };
   for (const bool mirrored : {false, true})
-    for (PatchFit& way : by_moments(moments, moments, 1, mirrored)) {
-      if (!differ(way, itself)) continue;
-      improve(way, 1, kRoughly, on_grid(grid_));
-      images_.push_back(way);
-    }
-  std::ranges::stable_sort(images_, std::greater{}, &PatchFit::fit);
+    std::ranges::move(by_moments(moments_, moments_, 1, mirrored), std::back_inserter(images_));
+  keep_apart();
+  for (PatchFit& image : images_) improve(image, 1, kRoughly, on_grid(grid_));
+  keep_apart();
   images_.resize(std::min(images_.size(), kMostImages));
   for (PatchFit& image : images_) improve(image, 1, kCloser, on_surface(*graph_, grid_, 1));
+  keep_apart();
   std::erase_if(images_, [](const PatchFit& image) { return image.fit < kImage; });
 }
 
@@ -258,11 +263,11 @@ PatchFit PatchReference::lay(const FaceGraph& graph, VertexId at, double scale, 
   const PatchSurroundings there(graph, at, radius, kGathered * radius);
   const std::vector<Centre> centres = centres_about(there, radius);
   SampleGrid grid(there.samples, there.centre, kGathered * radius);
-  const Moments moments = moments_of(around_.samples, around_.centre, ball_.radius);
+  const PatchMoments moments = moments_of(there.samples, there.centre, radius);
   std::vector<PatchFit> best;  // of either handedness, two that differ by their turn
   for (const bool mirrored : {false, true}) {
     if (mirrored && !mirrored_too) break;
-    std::vector<PatchFit> ways = by_moments(moments, moments_of(there.samples, there.centre, radius), scale, mirrored);
+    std::vector<PatchFit> ways = by_moments(moments_, moments, scale, mirrored);
     for (const Start& start : best_starts(around_.relief, centres, mirrored)) {
       const Matrix3d turn = turn_by(around_.relief, start.at->relief, start.shift, mirrored);
       ways.push_back(way_of(scale * turn, around_.centre, start.at->point, scale, mirrored));
@@ -298,14 +303,16 @@ PatchFit PatchReference::best_of(std::vector<PatchFit> ways, const FaceGraph& gr
   forget(kUndecided);
   if (ways.size() > 1 && std::ranges::max(ways, {}, &PatchFit::fit).fit > kLikely) improve_all(kDeciding);
   PatchFit best = std::ranges::max(ways, {}, worth);
-  best.ambiguous =
-      std::ranges::any_of(ways, [&](const PatchFit& way) { return differ(way, best) && way.fit > best.fit - kAsWell; });
+  for (const PatchFit& way : ways) {
+    if (!differ(way, best) || way.fit <= best.fit - kAsWell) continue;
+    (way.mirrored == best.mirrored ? best.turns_as_well : best.mirrors_as_well) = true;
+  }
   improve(best, scale, kExactly, on_surface(graph, grid, scale));
   return best;
 }
 
 template <class Find>
-void PatchReference::improve(PatchFit& registration, double scale, const Effort& effort, Find&& find) const {
+void PatchReference::improve(PatchFit& way, double scale, const Effort& effort, Find&& find) const {
   struct Pair {
     Vector3d from, to, normal;
     double distance, facing;
@@ -318,8 +325,8 @@ void PatchReference::improve(PatchFit& registration, double scale, const Effort&
   double before = std::numeric_limits<double>::infinity();
   const auto find_pairs = [&] {
     pairs.clear();
-    const Matrix4d& T = registration.target_from_reference;
-    const Matrix3d turn = T.topLeftCorner<3, 3>() / registration.scale;
+    const Matrix4d& T = way.target_from_reference;
+    const Matrix3d turn = T.topLeftCorner<3, 3>() / way.scale;
     for (std::size_t i = 0; i < around_.samples.size(); i += stride) {
       const SurfaceSample& sample = around_.samples[i];
       const Vector3d from = apply(T, sample.point);
@@ -337,13 +344,13 @@ void PatchReference::improve(PatchFit& registration, double scale, const Effort&
     for (const Pair& pair : pairs) distances.push_back(pair.distance);
     const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::ranges::nth_element(distances, half);
-    if (effort.sized && *half > kProgress * before && registration.fit < kLikely) break;
+    if (effort.sized && *half > kProgress * before && way.fit < kLikely) break;
     before = *half;
     const double usual = std::max(0.01 * radius, 1.5 * *half);
 
     // from + w x (from - o) + t + l (from - o) in the plane at `to`: n.(...) = 0, in units of the radius about o; the
     // last column is the right side.
-    const Vector3d o = apply(registration.target_from_reference, around_.centre);
+    const Vector3d o = apply(way.target_from_reference, around_.centre);
     Eigen::Matrix<double, 8, 8> sums = Eigen::Matrix<double, 8, 8>::Zero();
     for (const Pair& pair : pairs) {
       const double weight = std::max(0.0, pair.facing) / std::pow(1 + std::pow(pair.distance / usual, 2), 2);
@@ -365,17 +372,17 @@ void PatchReference::improve(PatchFit& registration, double scale, const Effort&
     if (!step.allFinite()) break;
     const double most = step.head<3>().norm();
     if (most > 0.5) step *= 0.5 / most;
-    const double wanted = registration.scale * std::exp(step[6]);
+    const double wanted = way.scale * std::exp(step[6]);
     const double allowed = std::clamp(wanted, scale / kScaleRange, scale * kScaleRange);
-    const double grow = allowed / registration.scale;
-    registration.scale = allowed;
+    const double grow = allowed / way.scale;
+    way.scale = allowed;
     const double turn = step.head<3>().norm();
     const Matrix3d R =
         turn > 0 ? Eigen::AngleAxisd(turn, step.head<3>() / turn).toRotationMatrix() : Matrix3d(Matrix3d::Identity());
     Matrix4d move = Matrix4d::Identity();
     move.topLeftCorner<3, 3>() = grow * R;
     move.topRightCorner<3, 1>() = o + radius * step.segment<3>(3) - grow * R * o;
-    registration.target_from_reference = move * registration.target_from_reference;
+    way.target_from_reference = move * way.target_from_reference;
     moved = true;
     if (step.norm() < kStill) break;
   }
@@ -383,7 +390,7 @@ void PatchReference::improve(PatchFit& registration, double scale, const Effort&
   double sum = 0;
   for (const Pair& pair : pairs)
     sum += std::max(0.0, pair.facing) * std::exp(-std::pow(pair.distance / (effort.apart * radius), 2));
-  registration.fit = asked > 0 ? sum / asked : 0;
+  way.fit = asked > 0 ? sum / asked : 0;
 }
 
 }  // namespace armature::sdk

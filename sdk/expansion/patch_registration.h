@@ -41,10 +41,17 @@ struct PatchSurroundings {
 /// Where a patch lies on a surface.
 struct PatchFit {
   Eigen::Matrix4d target_from_reference = Eigen::Matrix4d::Identity();
-  double scale = 1;        ///< of that
-  bool mirrored = false;   ///< whether it mirrors
-  double fit = 0;          ///< how well the surfaces lie on one another, in [0, 1]
-  bool ambiguous = false;  ///< whether it fits as well turned otherwise, or mirrored
+  double scale = 1;              ///< of that
+  bool mirrored = false;         ///< whether it mirrors
+  double fit = 0;                ///< how well the surfaces lie on one another, in [0, 1]
+  bool turns_as_well = false;    ///< whether it fits nearly as well turned otherwise
+  bool mirrors_as_well = false;  ///< whether it fits nearly as well with the other handedness
+};
+
+/// The middle of samples within a radius of a centre, by area, and the axes of their second moments, columns.
+struct PatchMoments {
+  Eigen::Vector3d middle;
+  Eigen::Matrix3d axes;
 };
 
 /// How hard a way to lie is improved.
@@ -75,7 +82,7 @@ class PatchReference {
   /// own, on the surface itself, until it is decided which fits best.
   [[nodiscard]] PatchFit lay(const FaceGraph& graph, VertexId at, double scale, bool mirrored_too) const;
   /// The faces of that surface that come to lie on the patch; those that hang together in the largest piece.
-  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const PatchFit& registration) const;
+  [[nodiscard]] std::vector<FaceId> extent(const FaceGraph& graph, const PatchFit& laid) const;
 
   [[nodiscard]] const PatchBall& ball() const noexcept { return ball_; }
   [[nodiscard]] const Eigen::Vector3d& centre() const noexcept { return around_.centre; }
@@ -84,10 +91,10 @@ class PatchReference {
   /// The best of some ways, improved on the surface itself.
   [[nodiscard]] PatchFit best_of(std::vector<PatchFit> ways, const FaceGraph& graph, const SampleGrid& grid,
                                  double scale) const;
-  /// Improves a registration. `find(i, point)` gives the target near the i-th sample, which has come to lie there, or
+  /// Improves a way to lie. `find(i, point)` gives the target near the i-th sample, which has come to lie there, or
   /// nothing.
   template <class Find>
-  void improve(PatchFit& registration, double scale, const Effort& effort, Find&& find) const;
+  void improve(PatchFit& way, double scale, const Effort& effort, Find&& find) const;
   /// What finds targets on the surface of a graph, at about a scale.
   [[nodiscard]] auto on_surface(const FaceGraph& graph, const SampleGrid& grid, double scale) const;
 
@@ -99,6 +106,7 @@ class PatchReference {
   PatchBall ball_;
   double area_;  // of the patch
   PatchSurroundings around_;
+  PatchMoments moments_;
   SampleGrid grid_;
   RegionShares shares_;           // of the patch
   std::vector<float> to_border_;  // by vertex; negative far from the patch

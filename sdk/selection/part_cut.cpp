@@ -224,11 +224,19 @@ void PartCut::choose_cut() {
                          .scale = 2 * model_->offset(component_faces_.front())};
   isovalue_ = best_isovalue(model_->surface(), {field_.data(), static_cast<std::size_t>(field_.size())}, search);
 
-  // What protrudes is the part: the conformal factor has mean 0, so its integral is positive on one side.
+  // What protrudes is the part: the conformal factor has mean 0, so its integral is positive on one side. Where that is
+  // nearly all, as about a dent, the part is what was cut off.
+  constexpr double kNearlyAll = 0.9;
   double integral = 0;
-  for (const Index v : component_vertices_)
-    if (field_[v] > isovalue_) integral += mass[v] * model_->conformal_factor()[v];
+  double above = 0;
+  for (const Index v : component_vertices_) {
+    if (!(field_[v] > isovalue_)) continue;
+    integral += mass[v] * model_->conformal_factor()[v];
+    above += mass[v];
+  }
   turned_ = integral < 0;
+  const double all = std::accumulate(area.begin(), area.end(), 0.0);
+  if ((turned_ ? all - above : above) > kNearlyAll * all) turned_ = !turned_;
   if (!turned_) return;
   for (const Index v : component_vertices_) field_[v] = 1 - field_[v];
   isovalue_ = 1 - isovalue_;

@@ -29,12 +29,21 @@ SOURCE_SUFFIXES = {".h", ".hpp", ".c", ".cpp", ".cc"}
 TEXT_SUFFIXES = SOURCE_SUFFIXES | {".md", ".txt", ".cmake", ".json", ".toml", ".py", ".sh", ".fbs", ".in", ""}
 MOST_LINES_OF_A_SOURCE = 600
 MOST_LINES_OF_A_README = 40
+MOST_LINES_OF_A_PANEL = 400
+PANELS = Path("viewer/app/panels")
+# What would let a panel change what is open by itself; lines of text alone do, so that a script can hold all of it.
+CHANGE = re.compile(r"\bcommanded\b|\bexecute\(|(?<!const )\b(?:Session|Model|Selecting|Editing|SphereShape)&"
+                    r"|models\[[^\]]*\]->[\w.]+ ?(?:[-+*/|&]?=(?!=)|\+\+)|(?:\+\+|--)[\w.]*models\[")
+PAINTS = Path("viewer/render")
+PAINTS_WITH = "armature/sdk/error.h"  # all that it may know of the sdk, which is about geometry
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 DOCUMENT_LINK = re.compile(r"\]\(([^)\s]+)\)")
 UNFINISHED = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X)\b")
 # clang 14, which builds the fuzzers and reads everything for clang-tidy, rejects what of libstdc++ 12 is a view.
 VIEW = re.compile(r"\bstd::(?:views\b|ranges::(?:views|subrange|unique|rotate|remove|remove_if|partition|"
                   r"stable_partition|search|equal_range|find_end)\b)")
+ENVIRONMENT = re.compile(r"\b(?:secure_)?getenv\b")
+SET_BY_ARGUMENTS = {"firmware_host", "navproto", "sdk", "tracker"}  # alone, so that a run can be done again
 NAMESPACE = re.compile(r"^(?:namespace ([\w:]*) ?\{|\}  // namespace)")
 TYPE = re.compile(r"^(?:struct|class|enum(?: class| struct)?|union) (?:(?:alignas\([^)]*\)|\[\[[^\]]*\]\]) )*"
                   r"(\w+)(?: final)?(?: :(?!:)[^;{]*)?(?: \{|$)")  # a list of bases may go on in the next line
@@ -191,6 +200,14 @@ def check_links_of(root, path, text):
                 yield f"{path}: links to {target}, which is not there"
 
 
+def check_panel(path, lines):
+    if len(lines) > MOST_LINES_OF_A_PANEL:
+        yield f"{path}: a panel of {len(lines)} lines ({MOST_LINES_OF_A_PANEL} at most)"
+    for number, line in enumerate(lines, 1):
+        if CHANGE.search(line):
+            yield f"{path}:{number}: a panel issues commands and changes nothing itself: {line.strip()}"
+
+
 def check_house(root, files):
     for path in files:
         text = text_of(root / path)
@@ -203,6 +220,12 @@ def check_house(root, files):
             yield f"{path}: {len(lines)} lines ({MOST_LINES_OF_A_README} at most)"
         if path.suffix == ".md":
             yield from check_links_of(root, path, text)
+        if path.suffix in SOURCE_SUFFIXES and path.parent == PANELS:
+            yield from check_panel(path, lines)
+        if path.suffix in SOURCE_SUFFIXES and path.parent == PAINTS:
+            for number, _, name in includes_of(root, path):
+                if name.startswith("armature/sdk/") and name != PAINTS_WITH:
+                    yield f"{path}:{number}: paints, and leaves geometry to others: no {name}"
         if path.name == "LICENSE":
             continue
         for number, line in enumerate(lines, 1):
@@ -210,6 +233,8 @@ def check_house(root, files):
                 yield f"{path}:{number}: unfinished: {line.strip()}"
             if path.suffix in SOURCE_SUFFIXES and path.parts[0] != "tests" and VIEW.search(line):
                 yield f"{path}:{number}: a view, which clang 14 rejects: {line.strip()}"
+            if path.suffix in SOURCE_SUFFIXES and path.parts[0] in SET_BY_ARGUMENTS and ENVIRONMENT.search(line):
+                yield f"{path}:{number}: a setting from the environment: {line.strip()}"
             if MACHINE_PATH.search(line):
                 yield f"{path}:{number}: a path of one machine: {line.strip()}"
     for folder in FOLDERS:

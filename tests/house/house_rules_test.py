@@ -56,6 +56,21 @@ class HouseRules(unittest.TestCase):
         self.assert_found("sdk may not include",
                           planted={"sdk/mesh.cpp": "  #  include <armature/navproto/subscriber.h>\n"})
 
+    def test_a_panel_stays_under_400_lines(self):
+        self.assert_found("a panel of 401 lines", planted={"viewer/app/panels/tall.cpp": "\n" * 401})
+
+    def test_a_panel_changes_nothing_itself(self):
+        for line in ("Model& model = *session.models[0];", "ui.commanded.execute(line);", "Session& session = other;",
+                     "session.models[i]->selecting.shown = 0;", "++session.models[i]->colour_revision;"):
+            self.assert_found("a panel issues commands", planted={"viewer/app/panels/rash.cpp": line + "\n"})
+        for line in ("const Model& model = *session.models[0];", "if (models[0]->selecting.shown == 2) return;"):
+            self.assertEqual(self.found(planted={"viewer/app/panels/calm.cpp": line + "\n"}), [])
+
+    def test_what_paints_knows_no_geometry(self):
+        self.assert_found("leaves geometry to others", planted={"viewer/render/paint.cpp": "#include <armature/sdk/sphere.h>\n"})
+        self.assertEqual(self.found(planted={"sdk/include/armature/sdk/error.h": HEADER,
+                                             "viewer/render/paint.h": HEADER + "#include <armature/sdk/error.h>\n"}), [])
+
     def test_the_viewer_may_not_include_the_tracker(self):
         self.assert_found("viewer may not include", planted={"viewer/main.cpp": '#include "tracker/pipeline.h"\n'})
 
@@ -115,6 +130,11 @@ class HouseRules(unittest.TestCase):
 
     def test_views_that_clang_rejects_are_found(self):
         self.assert_found("sdk/x.cpp:1: a view", planted={"sdk/x.cpp": "v.erase(std::ranges::unique(v).begin());\n"})
+
+    def test_settings_from_the_environment_are_found(self):
+        asked = 'const int k = std::getenv("K") ? 1 : 2;\n'
+        self.assert_found("sdk/x.cpp:1: a setting from the environment", planted={"sdk/x.cpp": asked})
+        self.assertEqual([], self.found(planted={"tools/x.cpp": asked}))
 
     def test_types_of_one_name_are_found(self):
         one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"

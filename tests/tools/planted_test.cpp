@@ -75,6 +75,20 @@ TEST(PlantedComponents, AreFoundAtAnyTurnAndSizeUnderNoise) {
   expect_good(mean_quality({.largest_scale = 2, .mirrored = true, .noise_percent = 0.2}, plant, expand, 3), 0.95);
 }
 
+TEST(Planted, WhatIsAlikeTooIsNeitherRightNorWrong) {
+  PlantedScene scene = planted_reliefs({.copies = 2}, 4);
+  const auto match_of = [](const std::vector<sdk::FaceId>& faces, double score) {
+    return sdk::Candidate{{.faces = faces, .score = score}};
+  };
+  const std::vector<sdk::FaceId> other = {sdk::FaceId(0), sdk::FaceId(1)};
+  const sdk::Expansion expansion(
+      scene.reference,
+      {match_of(other, 0.9), match_of(scene.copies[0].faces, 0.8), match_of(scene.copies[1].faces, 0.7)}, {});
+  EXPECT_EQ(quality_of(scene, expansion).precision, 0.5);
+  scene.others_alike = {other};
+  EXPECT_EQ(quality_of(scene, expansion).precision, 1);
+}
+
 TEST(Planted, IsTheSameForTheSameSeed) {
   EXPECT_EQ(planted_reliefs({.seed = 3}, 4).mesh.positions, planted_reliefs({.seed = 3}, 4).mesh.positions);
   EXPECT_NE(planted_reliefs({.seed = 3}, 4).mesh.positions, planted_reliefs({.seed = 4}, 4).mesh.positions);

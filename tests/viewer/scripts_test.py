@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import socket
@@ -211,6 +212,17 @@ class Viewer(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("OpenGL 3.3", done.stderr)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+
+    def test_whatever_the_window_issues_is_a_command_of_scripts(self):
+        listed = self.play(["help"])
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        commands = {line.split()[0] for line in listed.stdout.splitlines() if line.strip()}
+        issued = {}
+        for source in sorted((HERE.parents[1] / "viewer/app").rglob("*.cpp")):
+            for word in re.findall(r'\b(?:issue\(|issue_gesture_line\(ui, (?:fmt::format\()?)\s*"([a-z-]+)', source.read_text()):
+                issued.setdefault(word, source.name)
+        self.assertGreater(len(issued), 40)
+        self.assertEqual({word: source for word, source in issued.items() if word not in commands}, {})
 
     def test_wrong_use_is_told_in_one_line(self):
         for arguments, code, part in ((["--size", "big"], 2, "WIDTHxHEIGHT"),

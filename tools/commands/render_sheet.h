@@ -13,8 +13,8 @@
 
 #include "firmware_host/error.h"
 #include "tools/picture.h"
-#include "viewer/render/camera.h"
-#include "viewer/render/scene.h"
+#include "viewer/scene/camera.h"
+#include "viewer/scene/scene.h"
 
 namespace armature::tools {
 

@@ -67,24 +67,31 @@ std::vector<sdk::SurfacePoint> stroke_below(const sdk::PartModel& model, const P
 sdk::Expected<PartTimes> part_times(const sdk::Mesh& mesh, const PartTip& tip, int rounds, const sdk::Task& task) {
   if (!(sdk::surface_area(mesh) > 0)) return sdk::fail("the mesh has no area: there is nothing to draw on");
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  PartTimes best{kNever, kNever, kNever, 0, kNever};
+  PartTimes best{kNever, kNever, kNever, kNever, 0, kNever};
   const auto keep = [](double& least, double ms) { least = std::min(least, ms); };
   for (int round = 0; round < rounds; ++round) {
-    auto start = std::chrono::steady_clock::now();
+    const auto loaded = std::chrono::steady_clock::now();
+    auto start = loaded;
     const sdk::Surface surface(mesh);
     keep(best.load_ms, milliseconds_since(start));
     start = std::chrono::steady_clock::now();
     const auto model = sdk::PartModel::build(surface, task);
     if (!model) return tl::unexpected(model.error());
     keep(best.precompute_ms, milliseconds_since(start));
+    const double ready_ms = milliseconds_since(loaded);
 
+    const std::vector<sdk::SurfacePoint> stroke = stroke_below(*model, tip);
+    start = std::chrono::steady_clock::now();
     sdk::PartCut cut(*model);
+    const double begin_ms = milliseconds_since(start);
     std::vector<double> steps;
-    for (const sdk::SurfacePoint& point : stroke_below(*model, tip)) {
+    for (const sdk::SurfacePoint& point : stroke) {
       start = std::chrono::steady_clock::now();
       cut.add_point(point);
       const auto faces = cut.faces();
-      if (faces) steps.push_back(milliseconds_since(start));
+      if (!faces) continue;
+      steps.push_back(milliseconds_since(start));
+      if (steps.size() == 1) keep(best.usable_ms, ready_ms + begin_ms + steps.front());
     }
     const auto part = cut.faces();
     if (!part) return tl::unexpected(part.error());

@@ -16,6 +16,7 @@ namespace armature::tools {
 struct PartTimes {
   double load_ms = 0;        ///< the surface
   double precompute_ms = 0;  ///< the part model (PT)
+  double usable_ms = 0;      ///< from the mesh in memory to the part that the first point of a stroke makes
   double step_ms = 0;        ///< a point of the stroke and the part that it makes, in the median (ST)
   std::size_t strokes = 0;   ///< virtual strokes: candidates that were solved (PS)
   double expand_ms = 0;      ///< all of these (ET)

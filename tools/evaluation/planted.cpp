@@ -241,11 +241,16 @@ double overlap_of(std::span<const double> areas, std::span<const sdk::FaceId> a,
 
 PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expansion) {
   const std::vector<double> areas = sdk::face_areas(scene.mesh);
-  const auto matches = expansion.first(scene.copies.size());
   std::vector<bool> found(scene.copies.size());
   PlantedQuality quality;
   double hits = 0;
-  for (const sdk::Match& match : matches)
+  std::size_t counted = 0;
+  for (const sdk::Match& match : expansion.first(expansion.size())) {
+    if (counted == scene.copies.size()) break;
+    if (std::ranges::any_of(scene.others_alike,
+                            [&](const auto& faces) { return overlap_of(areas, match.faces, faces) > 0.5; }))
+      continue;
+    ++counted;
     for (std::size_t c = 0; c < scene.copies.size(); ++c) {
       const PlantedCopy& copy = scene.copies[c];
       const double overlap = overlap_of(areas, match.faces, copy.faces);
@@ -260,6 +265,7 @@ PlantedQuality quality_of(const PlantedScene& scene, const sdk::Expansion& expan
       if (scene.turns_known && !as_planted) ++quality.flipped;
       break;
     }
+  }
   const auto planted = static_cast<double>(scene.copies.size());
   quality.precision = hits / planted;
   quality.recall = static_cast<double>(std::ranges::count(found, true)) / planted;

@@ -23,7 +23,9 @@ struct PlantedScene {
   sdk::Mesh mesh = {};
   std::vector<sdk::FaceId> reference = {};  ///< ascending
   std::vector<PlantedCopy> copies = {};     ///< without the reference
-  bool turns_known = true;                  ///< of the copies
+  /// What is like it, too, though no copy, as fingers are: a match there is neither right nor wrong. Each ascending.
+  std::vector<std::vector<sdk::FaceId>> others_alike = {};
+  bool turns_known = true;  ///< of the copies
 };
 
 /// What is planted.
@@ -58,7 +60,8 @@ struct PlantOptions {
 [[nodiscard]] double overlap_of(std::span<const double> areas, std::span<const sdk::FaceId> a,
                                 std::span<const sdk::FaceId> b);
 
-/// How well an expansion finds what was planted. Of the first k matches, k being how many copies there are.
+/// How well an expansion finds what was planted. Of the first k matches, k being how many copies there are; those of
+/// what is alike, too, are left out before.
 struct PlantedQuality {
   double precision = 0;  ///< matches that share more than half with a copy, of k
   double recall = 0;     ///< copies that such a match shares with, of all

@@ -81,9 +81,26 @@ sdk::Expected<std::vector<sdk::FaceId>> part_below(const sdk::Mesh& mesh, const 
 
 using Region = std::vector<sdk::FaceId>;
 
-std::function<PlantedScene(const PlantOptions&)> among_copies(sdk::Mesh mesh, Region region) {
-  auto shared = std::make_shared<const std::pair<sdk::Mesh, Region>>(std::move(mesh), std::move(region));
-  return [shared](const PlantOptions& options) { return planted_models(shared->first, shared->second, options); };
+/// Scenes of a model among its copies: one region is the reference, others are alike.
+std::function<PlantedScene(const PlantOptions&)> among_copies(sdk::Mesh mesh, Region region,
+                                                              std::vector<Region> alike = {}) {
+  struct Model {
+    sdk::Mesh mesh;
+    Region region;
+    std::vector<Region> alike;
+  };
+  auto model = std::make_shared<const Model>(Model{std::move(mesh), std::move(region), std::move(alike)});
+  return [model](const PlantOptions& options) {
+    PlantedScene scene = planted_models(model->mesh, model->region, options);
+    const std::size_t faces = model->mesh.triangles.size();
+    for (std::size_t first = 0; first < scene.mesh.triangles.size(); first += faces)
+      for (const Region& like : model->alike) {
+        Region there;
+        for (const sdk::FaceId face : like) there.emplace_back(first + face.index());
+        scene.others_alike.push_back(std::move(there));
+      }
+    return scene;
+  };
 }
 
 std::string with_noise_said(std::string name, double noise) {
@@ -122,10 +139,13 @@ sdk::Expected<std::vector<QualityCase>> model_cases(const std::filesystem::path&
     std::string_view file;
     double radius;  // of a patch about the vertex farthest from the middle, of the diagonal; or 0 for a part
     PartTip tip;
+    std::vector<PartTip> alike = {};
   };
   const std::array planted = {
-      // A thumb: other fingers are like it too, and come among its copies.
-      Planted{"vh_Hand1.off", 0, {.at = Vector3d(43.39, 8.48, -809.36), .below = 0.12}},
+      Planted{"vh_Hand1.off",
+              0,
+              {.at = Vector3d(-4.54, 95.23, -834.4), .below = 0.2},
+              {{.at = Vector3d(-23.9, 87.3, -847.7), .below = 0.2}, {.at = Vector3d(-52, 54.6, -838.7), .below = 0.2}}},
       Planted{"vsa_gargoyle.off", 0.1, {}},
       Planted{"c3d_stanford-bunny.obj", 0.08, {}},
       Planted{"vm_bear.off", 0.1, {}},
@@ -135,7 +155,7 @@ sdk::Expected<std::vector<QualityCase>> model_cases(const std::filesystem::path&
       Planted{"vm_bear.off", 0, {.at = Vector3d(0.1944, 0.9893, 0.1367), .below = 0.1}},
   };
   std::vector<QualityCase> cases;
-  for (const auto& [file, radius, tip] : planted) {
+  for (const auto& [file, radius, tip, others] : planted) {
     const std::filesystem::path path = models / file;
     if (!std::filesystem::exists(path)) continue;
     auto mesh = sdk::read_mesh(path, {}, task);
@@ -144,7 +164,13 @@ sdk::Expected<std::vector<QualityCase>> model_cases(const std::filesystem::path&
     auto region = is_part ? part_below(*mesh, tip, task)
                           : region_about(*mesh, farthest_vertex(*mesh), radius * sdk::bounding_box_diagonal(*mesh));
     if (!region) return tl::unexpected(region.error());
-    const auto plant = among_copies(std::move(*mesh), std::move(*region));
+    std::vector<Region> alike;
+    for (const PartTip& other : others) {
+      auto found = part_below(*mesh, other, task);
+      if (!found) return tl::unexpected(found.error());
+      alike.push_back(std::move(*found));
+    }
+    const auto plant = among_copies(std::move(*mesh), std::move(*region), std::move(alike));
     for (const double noise : {0.0, 0.2}) {
       PlantOptions options{.copies = 5, .mirrored = true, .bend_rad = 0.3, .noise_percent = noise};
       if (is_part) options.largest_scale = 1.5;

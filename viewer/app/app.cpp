@@ -18,7 +18,7 @@ constexpr float kLeastView = 300, kLeastHeight = 240;
 }  // namespace
 
 App::App(Session& session, float scale, ViewPainter painter)
-    : session_(session), ui_{.session = session, .scale = scale}, painter_(std::move(painter)) {}
+    : session_(session), ui_{.commanded = session, .scale = scale}, painter_(std::move(painter)) {}
 
 App::~App() {
   ImGui_ImplOpenGL3_Shutdown();
@@ -39,7 +39,8 @@ void App::lay_out(int width, int height) {
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
   const float sidebar = ui_.px(kSidebar);
   const bool has_room = w >= sidebar + ui_.px(kLeastView) && h >= ui_.px(kLeastHeight);
-  const float status = h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
+  const bool has_to_tell = session_.notice_is_error && !session_.notice.empty();
+  const float status = has_to_tell || h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
   ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
   ui_.beside = {};
@@ -112,6 +113,7 @@ sdk::Expected<void> App::draw_view(ViewPainter& painter, const std::shared_ptr<c
                                    int height, GLuint framebuffer, bool careful) {
   const int wide = static_cast<int>(area.size.x), high = static_cast<int>(area.size.y);
   if (auto painted = painter.paint(session_, model, wide, high, careful); !painted) return painted;
+  if (const auto complaint = painter.take_complaint()) session_.tell("drawing: " + *complaint, true);
   const Painter& picture = painter.picture();
   glBindFramebuffer(GL_READ_FRAMEBUFFER, picture.framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
@@ -160,7 +162,11 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+  const GLenum error = glGetError();
+  if (error == GL_OUT_OF_MEMORY) {
+    // Nobody's work is lost for that.
+    session_.tell("the graphics card has not enough memory to draw all of this; close other models", true);
+  } else if (error != GL_NO_ERROR)
     return sdk::fail("OpenGL: error " + std::to_string(error) + " while drawing");
   return {};
 }

@@ -31,6 +31,8 @@ struct Gesture {
   std::size_t followed = 0;                    ///< how many of them the follower has been told
   std::shared_ptr<const Follower> follower{};  ///< or none
   Job following = {};                          ///< may still be about a gesture before
+  bool selects = false;                        ///< the job that runs is of the gesture before
+  std::vector<std::string> waiting = {};       ///< for it: what was drawn meanwhile
 };
 
 ViewPoint view_point(const Ui& ui, const ImVec2& pixel) {
@@ -73,6 +75,19 @@ std::optional<sdk::VertexId> vertex_at(Ui& ui, const ImVec2& pixel) {
                           [&](sdk::VertexId v) { return (mesh.position(v) - found->point).squaredNorm(); });
 }
 
+/// Issues the command of a gesture, once that of the gesture before is done.
+void issue_gesture_line(Ui& ui, std::string line) {
+  Gesture& gesture = *ui.gesture;
+  gesture.selects = gesture.selects && ui.session.job.running();
+  if (gesture.selects) {
+    gesture.waiting.push_back(std::move(line));
+    return;
+  }
+  const bool was_running = ui.session.job.running();
+  ui.issue("{}", line);
+  gesture.selects = ui.session.job.running() && !was_running;
+}
+
 void lasso(Ui& ui) {
   if (ui.stroke.size() < 3) return;
   std::string words;
@@ -82,35 +97,40 @@ void lasso(Ui& ui) {
     words += fmt::format(" {:.5g} {:.5g}", at.x(), at.y());
   }
   issue_camera(ui, ui.session.camera);  // what a loop holds depends on it
-  ui.issue("lasso{}", words);
+  issue_gesture_line(ui, "lasso" + words);
 }
 
 /// The command that the gesture was.
 void issue_gesture(Ui& ui, const Gesture& gesture) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (session.models.empty() || gesture.model.lock() != session.models[session.active_model])
-    return session.tell("another model came up meanwhile; draw again");
+    return ui.tell("another model came up meanwhile; draw again");
   const Points& points = gesture.points;
   const bool beside = points.empty();
-  const auto miss = [&] { session.tell("that stroke was beside the model; begin on it"); };
+  const auto miss = [&] { ui.tell("that stroke was beside the model; begin on it"); };
   switch (gesture.tool) {
     case Tool::Click:
       if (const auto found = session.pick(view_point(ui, ImGui::GetIO().MousePos)); found && found->face.valid())
-        ui.issue("click {}", found->face.index());
+        issue_gesture_line(ui, fmt::format("click {}", found->face.index()));
       return;
     case Tool::Spot:
       if (const auto vertex = vertex_at(ui, ImGui::GetIO().MousePos))
-        ui.issue("similarity {} {}", kLikenesses[static_cast<std::size_t>(ui.like_by)], vertex->index());
+        issue_gesture_line(
+            ui, fmt::format("similarity {} {}", kLikenesses[static_cast<std::size_t>(ui.like_by)], vertex->index()));
       return;
     case Tool::Lasso: return lasso(ui);
     case Tool::Edge:
       if (session.models[session.active_model]->selecting.reference.empty())
-        return session.tell("select a region first; then drag its boundary");
-      if (points.size() > 1) ui.issue("drag-edge {} {}", words_of(points.front()), words_of(points.back()));
+        return ui.tell("select a region first; then drag its boundary");
+      if (points.size() > 1)
+        issue_gesture_line(ui, fmt::format("drag-edge {} {}", words_of(points.front()), words_of(points.back())));
       return;
-    case Tool::Cut: return beside ? miss() : ui.issue("cut {}{}", gesture.how, words_of(points));
+    case Tool::Cut:
+      return beside ? miss() : issue_gesture_line(ui, fmt::format("cut {}{}", gesture.how, words_of(points)));
     case Tool::Brush:
-      return beside ? miss() : ui.issue("brush {} {:.6g}{}", gesture.how, gesture.radius, words_of(points));
+      return beside ? miss()
+                    : issue_gesture_line(
+                          ui, fmt::format("brush {} {:.6g}{}", gesture.how, gesture.radius, words_of(points)));
     case Tool::Look:
     case Tool::Pose: return;
   }
@@ -192,7 +212,7 @@ void draw_on(Ui& ui, const ImVec2& mouse) {
 }  // namespace
 
 void begin_gesture(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const ImGuiIO& io = ImGui::GetIO();
   const std::shared_ptr<Model>& model = session.models[session.active_model];
   if (!ui.gesture) ui.gesture = std::make_shared<Gesture>();
@@ -224,7 +244,9 @@ void end_gesture(Ui& ui) {
   ui.stroke.clear();
 }
 
-bool follow_gesture(Ui& ui) {
+namespace {
+
+bool follow_stroke(Ui& ui) {
   if (!ui.gesture) return false;
   Gesture& gesture = *ui.gesture;
   static_cast<void>(gesture.following.poll());
@@ -248,6 +270,25 @@ bool follow_gesture(Ui& ui) {
                             });
                           });
   return true;
+}
+
+}  // namespace
+
+bool follow_gesture(Ui& ui) {
+  if (ui.gesture && !ui.gesture->waiting.empty() && !ui.session.job.running()) {
+    Gesture& gesture = *ui.gesture;
+    const std::string line = std::move(gesture.waiting.front());
+    gesture.waiting.erase(gesture.waiting.begin());
+    gesture.selects = false;
+    const auto model = gesture.model.lock();
+    if (ui.session.models.empty() || model != ui.session.models[ui.session.active_model]) {
+      gesture.waiting.clear();
+    } else {
+      issue_gesture_line(ui, line);
+    }
+  }
+  const bool pose = follow_gizmo(ui);
+  return follow_stroke(ui) || pose;
 }
 
 }  // namespace armature::viewer

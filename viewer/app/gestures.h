@@ -15,8 +15,8 @@ void continue_gesture(Ui& ui);
 void end_gesture(Ui& ui);
 ///@}
 
-/// Shows what the gesture would select so far, as soon as that is found. Call it once a frame; whether there is more to
-/// be found.
+/// Shows what the gesture would select so far, or how what it drags would lie, as soon as that is found. Call it once a
+/// frame; whether there is more to be found.
 bool follow_gesture(Ui& ui);
 
 }  // namespace armature::viewer

@@ -19,16 +19,23 @@ using Eigen::Vector3d;
 
 enum class Grip { None, X, Y, Z, View, Ring, Scale, Swell };
 
-/// A grip that is being dragged: whose, where it began, and what it does so far.
-struct Drag {
+}  // namespace
+
+/// A grip that is being dragged: whose, where it began, and what it does so far. What that would look like is found in
+/// the background, late by one step; it is shown until the command that the drag becomes has been carried out.
+struct GizmoDrag {
   Grip grip = Grip::None;
   ImVec2 from{0, 0};
+  sdk::Sphere middle = {};  // of what is held, when it began
   sdk::SphereMove move = {};
   std::weak_ptr<Model> model = {};
   std::vector<sdk::SphereId> held = {};
+  bool moved = false;      // since a preview was begun
+  std::size_t number = 0;  // of the drag
+  Job previewing = {};
 };
 
-Drag drag;
+namespace {
 
 ImVec2 pixel(const Ui& ui, const Vector3d& point) {
   const ViewPoint at = ui.session.camera.project(point);
@@ -45,23 +52,23 @@ float distance(const ImVec2& a, const ImVec2& b) {
 sdk::Sphere held(const Model& model) {
   sdk::Sphere middle{Vector3d::Zero(), 0};
   for (const sdk::SphereId id : model.handle) {
-    middle.centre += model.posing->shape().sphere(id).centre;
-    middle.radius += model.posing->shape().sphere(id).radius;
+    middle.centre += model.spheres->shape.sphere(id).centre;
+    middle.radius += model.spheres->shape.sphere(id).radius;
   }
   const auto count = static_cast<double>(model.handle.size());
   return {middle.centre / count, middle.radius / count};
 }
 
 /// What a grip that was dragged from one pixel to another does.
-sdk::SphereMove move_of(const Ui& ui, const Model& model, const sdk::Sphere& middle, Grip grip, const ImVec2& from,
-                        const ImVec2& to) {
+sdk::SphereMove move_of(const Ui& ui, const std::vector<sdk::SphereId>& spheres, const sdk::Sphere& middle, Grip grip,
+                        const ImVec2& from, const ImVec2& to) {
   const OrbitCamera& camera = ui.session.camera;
   const Eigen::Isometry3d view = camera.view_from_world();
   const double depth = -(view * middle.centre).z();
   // Model units a pixel, at the middle's depth.
   const double unit = 2 * OrbitCamera::kHalfHeight * depth / static_cast<double>(ui.view.size.y);
   const Eigen::Vector2d by(static_cast<double>(to.x - from.x), static_cast<double>(from.y - to.y));
-  sdk::SphereMove move{.spheres = model.handle};
+  sdk::SphereMove move{.spheres = spheres};
   switch (grip) {
     case Grip::View: move.translate = view.linear().transpose() * Vector3d(unit * by.x(), unit * by.y(), 0); break;
     case Grip::X:
@@ -126,24 +133,21 @@ void choose(Ui& ui, Model& model) {
   ui.issue("handle {}", fmt::join(chosen, " "));
 }
 
-/// A drag ends, and what it showed goes, where what it held is held no longer: by an undo, another tool or model.
-void drop_stale_drag(const Session& session) {
+/// A drag ends where what it held is held no longer: by an undo, another tool or model.
+void drop_stale_drag(const Session& session, GizmoDrag& drag) {
   if (drag.grip == Grip::None || session.job.running()) return;
   const auto model = drag.model.lock();
   const bool active = model && !session.models.empty() && session.models[session.active_model] == model;
-  if (active && model->posing && session.tool == Tool::Pose && model->handle == drag.held) return;
-  if (model && model->posing) {
-    model->posing->cancel_preview();
-    model->take_pose();
-  }
-  drag = {};
+  if (!active || !model->posing || session.tool != Tool::Pose || model->handle != drag.held) drag.grip = Grip::None;
 }
 
 }  // namespace
 
 bool handle_gizmo(Ui& ui, bool over) {
-  Session& session = ui.session;
-  drop_stale_drag(session);
+  const Session& session = ui.session;
+  if (!ui.drag) ui.drag = std::make_shared<GizmoDrag>();
+  GizmoDrag& drag = *ui.drag;
+  drop_stale_drag(session, drag);
   if (session.tool != Tool::Pose || session.models.empty() || !session.models[session.active_model]->posing)
     return false;
   Model& model = *session.models[session.active_model];
@@ -152,7 +156,7 @@ bool handle_gizmo(Ui& ui, bool over) {
   if (session.job.running()) return drag.grip != Grip::None;
 
   for (const sdk::SphereId id : model.handle) {
-    const sdk::Sphere& sphere = model.posing->shape().sphere(id);
+    const sdk::Sphere& sphere = model.spheres->shape.sphere(id);
     draw.AddCircleFilled(pixel(ui, sphere.centre), ui.px(6), theme::kAccent);
   }
   if (!model.handle.empty()) {
@@ -186,21 +190,22 @@ bool handle_gizmo(Ui& ui, bool over) {
         if (distance(io.MousePos, at) < ui.px(11)) drag.grip = grip;
       if (drag.grip == Grip::None && std::abs(distance(io.MousePos, centre) - 1.25F * reach) < ui.px(7))
         drag.grip = Grip::Ring;
-      if (drag.grip != Grip::None)
-        drag = {drag.grip, io.MousePos, {}, session.models[session.active_model], model.handle};
+      if (drag.grip != Grip::None) {
+        drag.from = io.MousePos;
+        drag.middle = middle;
+        drag.move = {};
+        drag.model = session.models[session.active_model];
+        drag.held = model.handle;
+        ++drag.number;
+      }
     }
     if (drag.grip != Grip::None && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
-      // Against where it lay when the drag began.
-      model.posing->cancel_preview();
-      drag.move = move_of(ui, model, held(model), drag.grip, drag.from, io.MousePos);
-      if (!model.posing->preview(drag.move)) model.posing->cancel_preview();
-      model.take_pose();
+      drag.move = move_of(ui, drag.held, drag.middle, drag.grip, drag.from, io.MousePos);
+      drag.moved = true;
     }
     if (drag.grip != Grip::None && !io.MouseDown[0]) {
-      model.posing->cancel_preview();
-      if (!drag.move.spheres.empty()) issue(ui, drag.grip, drag.move);
-      model.take_pose();
-      drag = {};
+      const Grip grip = std::exchange(drag.grip, Grip::None);
+      if (!drag.move.spheres.empty()) issue(ui, grip, drag.move);
       return true;
     }
     if (drag.grip != Grip::None) return true;
@@ -210,6 +215,33 @@ bool handle_gizmo(Ui& ui, bool over) {
     return true;
   }
   return false;
+}
+
+bool follow_gizmo(Ui& ui) {
+  if (!ui.drag) return false;
+  GizmoDrag& drag = *ui.drag;
+  static_cast<void>(drag.previewing.poll());
+  const auto model = drag.model.lock();
+  if (!model || !model->posing) return false;
+  if (drag.grip == Grip::None) {
+    // What it showed stays until what it did takes its place.
+    drag.moved = false;
+    if (model->previewed && !ui.session.job.running() && !drag.previewing.running()) model->preview(nullptr);
+    return drag.previewing.running();
+  }
+  if (drag.previewing.running()) return true;
+  if (!drag.moved) return false;
+  drag.moved = false;
+  drag.previewing.start("following",
+                        [&drag, model, posing = model->posing, move = drag.move,
+                         number = drag.number](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                          auto laid = posing->preview(move);
+                          if (!laid) return tl::unexpected(laid.error());
+                          return Job::Apply([&drag, model, number, pose = std::move(*laid)] {
+                            if (drag.grip != Grip::None && drag.number == number) model->preview(pose);
+                          });
+                        });
+  return true;
 }
 
 }  // namespace armature::viewer

@@ -33,7 +33,7 @@ void move_camera(Ui& ui, Drag drag, const ImVec2& by) {
 void handle_mouse(Ui& ui) {
   static Drag drag = Drag::None;
   static int button = 0;
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const ImGuiIO& io = ImGui::GetIO();
   const bool over = ui.view.holds(io.MousePos) && !io.WantCaptureMouse;
   const bool walks = session.mode == Mode::Walk;

@@ -3,8 +3,9 @@
 #include <span>
 #include <utility>
 
-#include "viewer/session/coarse_mesh.h"
+#include "viewer/scene/coarse_mesh.h"
 #include "viewer/session/maps.h"
+#include "viewer/session/posing.h"
 
 namespace armature::viewer {
 
@@ -12,10 +13,10 @@ namespace armature::viewer {
 struct MeshDrawing::Source {
   std::shared_ptr<const MeshShape> shape;  // holds what follows,
   std::shared_ptr<const ShadedMesh> tried;
-  std::optional<sdk::Mesh> posed;
-  const sdk::Mesh& mesh() const { return posed ? *posed : tried ? tried->mesh : shape->mesh; }
+  std::shared_ptr<const Pose> pose;
+  const sdk::Mesh& mesh() const { return pose ? pose->mesh : tried ? tried->mesh : shape->mesh; }
   std::span<const std::array<Eigen::Vector3d, 3>> normals() const {
-    if (posed) return {};
+    if (pose) return {};
     return tried ? tried->normals : shape->normals;
   }
   sdk::Sphere frame;
@@ -29,10 +30,10 @@ struct MeshDrawing::Source {
 
 MeshDrawing::Source MeshDrawing::source_of(const std::shared_ptr<const Model>& model, const Looks& looks,
                                            bool is_new) const {
-  const bool has_coarse = !model->posing && model->shown_mesh().triangles.size() > most_fluent_faces_;
+  const bool has_coarse = model->shown_mesh().triangles.size() > most_fluent_faces_;
   Source source{.shape = model->mesh,
                 .tried = model->editing.tried,
-                .posed = {},
+                .pose = {},
                 .frame = model->around(),
                 .layer = looks.mesh == MeshLook::Glass ? Layer::Glass : Layer::Solid,
                 .wireframe = looks.wireframe,
@@ -40,7 +41,7 @@ MeshDrawing::Source MeshDrawing::source_of(const std::shared_ptr<const Model>& m
                 .is_new = is_new,
                 .coarse_cells = has_coarse ? coarse_cells_ : 0,
                 .coarse_source = {}};
-  if (model->posing && is_new) source.posed = model->posed;
+  if (model->posing) source.pose = model->previewed ? model->previewed : model->pose;
   if (!is_new) source.coarse_source = coarse_source_;
   return source;
 }
@@ -57,44 +58,65 @@ MeshDrawing::Made MeshDrawing::make(const Source& source) {
   }
   for (const sdk::FaceId face : made.coarse_source) made.coarse_colours.push_back(made.fine_colours[face.index()]);
   if (!source.is_new) return made;
-  made.fine.emplace(source.frame, kShapePalette);
+  made.fine = std::make_shared<Scene>(source.frame, kShapePalette);
   made.fine->add(mesh, {.layer = source.layer,
                         .wireframe = source.wireframe,
                         .normals = source.normals(),
                         .colours = made.fine_colours});
   if (source.coarse_cells == 0) return made;
-  made.coarse.emplace(source.frame, kShapePalette);
+  made.coarse = std::make_shared<Scene>(source.frame, kShapePalette);
   made.coarse->add(coarse.mesh, {.layer = source.layer, .colours = made.coarse_colours});
   return made;
 }
 
-void MeshDrawing::send(Made made, const Shape& shape, const Colours& colours) {
-  if (made.fine) {
-    fine_.reset();  // first: two of a million triangles are a lot
-    coarse_.reset();
-    fine_.emplace(*made.fine);
-    if (made.coarse) coarse_.emplace(*made.coarse);
-    coarse_source_ = std::move(made.coarse_source);
-  } else {
-    const Layer layer = shape.look == MeshLook::Glass ? Layer::Glass : Layer::Solid;
-    fine_->recolour(layer, made.fine_colours);
-    if (coarse_) coarse_->recolour(layer, made.coarse_colours);
-  }
-  shape_ = shape;
+void MeshDrawing::recolour(const Made& made, const Shape& shape, const Colours& colours) {
+  const Layer layer = shape.look == MeshLook::Glass ? Layer::Glass : Layer::Solid;
+  fine_->recolour(layer, made.fine_colours);
+  if (coarse_) coarse_->recolour(layer, made.coarse_colours);
   colours_ = colours;
   ++changes_;
+}
+
+void MeshDrawing::show(Drawing fine, std::optional<Drawing> coarse, std::vector<sdk::FaceId> coarse_source) {
+  fine_ = std::move(fine);
+  coarse_ = std::move(coarse);
+  coarse_source_ = std::move(coarse_source);
+  shape_ = asked_;
+  colours_ = asked_colours_;
+  ++changes_;
+}
+
+/// Sends on, and shows it once all of it is there.
+void MeshDrawing::go_on() {
+  if (!sending_ || !sending_->fine.go_on() || (sending_->coarse && !sending_->coarse->go_on())) return;
+  std::optional<Drawing> coarse;
+  if (sending_->coarse) coarse = sending_->coarse->take();
+  auto made = std::move(sending_->made);
+  show(sending_->fine.take(), std::move(coarse), std::move(made->coarse_source));
+  sending_.reset();
+  if (making_.running()) return;  // what nobody wants any more
+  // Lists of a million triangles take a while to go, too.
+  making_.start("drawing", [made = std::move(made)](const sdk::Task&) mutable {
+    made.reset();
+    return sdk::Expected<Job::Apply>(Job::Apply());
+  });
 }
 
 void MeshDrawing::rest() {
   making_.cancel();
   static_cast<void>(making_.poll());
+  sending_.reset();
 }
 
 void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once) {
   const Shape shape{model, model->mesh_revision, looks.mesh, looks.wireframe};
   const Colours colours{model->colour_revision, looks.map};
-  if (making_.running() && asked_.model != shape.model) making_.cancel();
-  static_cast<void>(making_.poll());
+  if (auto wrong = making_.poll_failure()) {
+    complaint_ = std::move(wrong);
+    failed_ = true;
+  }
+  if (making() && asked_.model != shape.model) rest();
+  go_on();
   const auto is_shown = [&] { return fine_ && shape_ == shape && colours_ == colours; };
   if (is_shown()) return;
   if (fine_ && shape_.model != shape.model) {
@@ -102,16 +124,26 @@ void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks&
     coarse_.reset();
     ++changes_;
   }
+  const bool at_last = at_once || model->shown_mesh().triangles.size() <= most_fluent_faces_;
+  if (at_last) rest();
+  if (!at_last && (making() || (failed_ && asked_ == shape && asked_colours_ == colours))) return;
+  failed_ = false;
   const bool is_new = !fine_ || shape_ != shape;
-  if (at_once || model->shown_mesh().triangles.size() <= most_fluent_faces_) {
-    making_.cancel();
-    return send(make(source_of(model, looks, is_new)), shape, colours);
-  }
-  if (making_.running()) return;
   asked_ = shape;
-  making_.start("drawing", [this, shape, colours, source = source_of(model, looks, is_new)](const sdk::Task&) {
+  asked_colours_ = colours;
+  const auto take = [this, shape, colours](const std::shared_ptr<Made>& made) {
+    if (!made->fine) return recolour(*made, shape, colours);
+    sending_.emplace(OnItsWay{Sending(made->fine), {}, made});
+    if (made->coarse) sending_->coarse.emplace(made->coarse);
+  };
+  if (at_last) {
+    take(std::make_shared<Made>(make(source_of(model, looks, is_new))));
+    while (sending_) go_on();
+    return;
+  }
+  making_.start("drawing", [take, source = source_of(model, looks, is_new)](const sdk::Task&) {
     auto made = std::make_shared<Made>(make(source));
-    return sdk::Expected<Job::Apply>([this, shape, colours, made] { send(std::move(*made), shape, colours); });
+    return sdk::Expected<Job::Apply>([take, made] { take(made); });
   });
 }
 

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "viewer/render/drawing.h"
+#include "viewer/app/sending.h"
 #include "viewer/session/job.h"
 #include "viewer/session/session.h"
 
@@ -16,8 +18,8 @@ namespace armature::viewer {
 inline constexpr Palette kShapePalette = {.background_top = {250, 250, 249}, .background_bottom = {226, 229, 232}};
 
 /// A model's mesh on the card, and a coarser one of it where it is large, to draw while something moves. What is sent
-/// to the card of a large mesh is made in the background; until then the drawings are those of before, or none of
-/// another model. Made, used and deleted while its context is current.
+/// to the card of a large mesh is made in the background and sent in bits; until it is there the drawings are those of
+/// before, or none of another model. Made, used and deleted while its context is current.
 class MeshDrawing {
  public:
   /// A mesh of more faces is large; the coarser one has a grid of so many cells along its longest side.
@@ -37,8 +39,10 @@ class MeshDrawing {
   ///@}
   /// How often they have changed.
   [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
+  /// What kept it from being made, once: it is not tried again until something else is to be drawn.
+  [[nodiscard]] std::optional<std::string> take_complaint() { return std::exchange(complaint_, std::nullopt); }
   /// Whether others are being made.
-  [[nodiscard]] bool making() const noexcept { return making_.running(); }
+  [[nodiscard]] bool making() const noexcept { return making_.running() || sending_.has_value(); }
 
  private:
   /// What is drawn.
@@ -58,21 +62,32 @@ class MeshDrawing {
   struct Source;  // what drawings are made from
   /// What is sent to the card: scenes for another shape, else colours alone.
   struct Made {
-    std::optional<Scene> fine = {}, coarse = {};
+    std::shared_ptr<Scene> fine = {}, coarse = {};
     std::vector<sdk::FaceId> coarse_source = {};
     CornerColours fine_colours = {}, coarse_colours = {};
   };
   [[nodiscard]] Source source_of(const std::shared_ptr<const Model>& model, const Looks& looks, bool is_new) const;
   [[nodiscard]] static Made make(const Source& source);
-  void send(Made made, const Shape& shape, const Colours& colours);
+  void recolour(const Made& made, const Shape& shape, const Colours& colours);
+  void show(Drawing fine, std::optional<Drawing> coarse, std::vector<sdk::FaceId> coarse_source);
+  /// What was made, on its way to the card.
+  struct OnItsWay {
+    Sending fine;
+    std::optional<Sending> coarse;
+    std::shared_ptr<Made> made;
+  };
+  void go_on();
 
   std::size_t most_fluent_faces_, coarse_cells_;
   std::optional<Drawing> fine_, coarse_;
   std::vector<sdk::FaceId> coarse_source_;  // by face of the coarse mesh: which face of the mesh it was
   Shape shape_, asked_;                     // of the drawings; of those that are being made
-  Colours colours_;
+  Colours colours_, asked_colours_;
   std::uint64_t changes_ = 0;
   Job making_;
+  bool failed_ = false;  // to make what was asked for
+  std::optional<std::string> complaint_;
+  std::optional<OnItsWay> sending_;
 };
 
 }  // namespace armature::viewer

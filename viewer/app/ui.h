@@ -22,14 +22,16 @@ struct Area {
 };
 
 struct Gesture;
+struct GizmoDrag;
 
-/// What panels share: the session, which they read, and change by commands alone; and what only the window knows.
+/// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
 struct Ui {
-  Session& session;
-  float scale = 1;              ///< pixels a unit of layout
-  Area view = {};               ///< where the shapes or the city are
-  Area beside = {};             ///< where another model is shown beside; empty if none is
-  ImTextureID depth = nullptr;  ///< the depth picture, once there is one
+  Session& commanded;                  ///< by `issue()` and `tell()`; nobody else changes it
+  const Session& session = commanded;  ///< as it is now
+  float scale = 1;                     ///< pixels a unit of layout
+  Area view = {};                      ///< where the shapes or the city are
+  Area beside = {};                    ///< where another model is shown beside; empty if none is
+  ImTextureID depth = nullptr;         ///< the depth picture, once there is one
   float depth_aspect = 1;
 
   Likeness like_by = Likeness::Gls;            ///< what the next spot is compared by
@@ -39,13 +41,16 @@ struct Ui {
   bool log = false;                            ///< the list of commands is open
   std::vector<ImVec2> stroke = {};             ///< what the mouse draws at the moment, in pixels
   std::shared_ptr<Gesture> gesture = nullptr;  ///< what it does there; and whether that is still being found
+  std::shared_ptr<GizmoDrag> drag = nullptr;   ///< what a handle of a pose is dragged to
   bool following = false;
 
   /// Carries a command out; what fails is shown as the session's notice.
   template <class... Args>
   void issue(fmt::format_string<Args...> line, Args&&... args) {
-    static_cast<void>(session.execute(fmt::format(line, std::forward<Args>(args)...)));
+    static_cast<void>(commanded.execute(fmt::format(line, std::forward<Args>(args)...)));
   }
+  /// Says why there was nothing to issue; an empty text takes away what was said.
+  void tell(std::string text) { commanded.tell(std::move(text)); }
   [[nodiscard]] float px(float units) const { return units * scale; }
 };
 
@@ -71,6 +76,8 @@ void handle_input(Ui& ui);
 /// Shows what is held of a posed shape and lets the mouse move it; whether the mouse is taken by it. `over`: the mouse
 /// is over the view.
 bool handle_gizmo(Ui& ui, bool over);
+/// Shows how what is dragged would lie, as soon as that is found. Call it once a frame; whether there is more to find.
+bool follow_gizmo(Ui& ui);
 
 ///@{
 /// Small things that panels are made of.

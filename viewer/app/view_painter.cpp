@@ -41,22 +41,15 @@ void ViewPainter::show(const Kept& kept) {
 
 void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once) {
   const Model& model = *held;
-  const sdk::Sphere frame = model.around();
   if (model.mesh && looks.mesh != MeshLook::Off) {
     mesh_->follow(held, looks, at_once);
     if (mesh_->fine() != nullptr) drawings_.push_back(mesh_->fine());
     shows_.push_back(-static_cast<double>(mesh_->changes()));
   }
   if (model.spheres && looks.spheres != SpheresLook::Off) {
-    const Key key{held, model.spheres_revision, static_cast<int>(looks.spheres)};
-    if (spheres_.key != key || !spheres_.drawing) {
-      Scene scene(frame, kShapePalette);
-      scene.add(model.spheres->shape,
-                {.shape = looks.spheres == SpheresLook::Surface ? SphereMeshStyle::Shape::Surface
-                                                                : SphereMeshStyle::Shape::Structure});
-      keep(spheres_, key, scene);
-    }
-    show(spheres_);
+    spheres_->follow(held, looks.spheres, at_once);
+    if (spheres_->drawing() != nullptr) drawings_.push_back(spheres_->drawing());
+    shows_.push_back(0.5 + static_cast<double>(spheres_->changes()));
   }
 }
 
@@ -87,6 +80,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   const double aspect = static_cast<double>(width) / height;
   const bool walks = session.mode == Mode::Walk;
   if (walks || !model || !model->mesh || session.looks.mesh == MeshLook::Off) mesh_->rest();
+  if (walks || !model || !model->spheres || session.looks.spheres == SpheresLook::Off) spheres_->rest();
   if (walks) {
     gather_city(session.walk);
   } else {
@@ -103,8 +97,9 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   shows_.insert(shows_.end(),
                 {camera.half_width, camera.half_height, camera.near, camera.far, static_cast<double>(width),
                  static_cast<double>(height), session.looks.matcap ? 1.0 : 0.0});
-  if (shows_ != shown_) {
+  if (shows_ != shown_ || (careful && !finest_)) {
     std::swap(shown_, shows_);
+    finest_ = careful;
     rough_ = true;
     spent_ms_ = 0;
     if (auto begun = careful_.begin(drawings_, camera, width, height,
@@ -129,7 +124,7 @@ sdk::Expected<void> ViewPainter::paint_quickly(const Camera& camera, int width, 
   const auto start = std::chrono::steady_clock::now();
   const int share = halves_ ? 2 : 1;
   auto painted = quick_.paint(drawings_, camera, std::max(1, width / share), std::max(1, height / share),
-                              {.samples_a_side = 1, .obscurance = false});
+                              {.samples_a_side = 1, .obscurance = false, .most_ray_cast = options_.most_fluent_cones});
   glFinish();
   // All pixels take four times as long, at most.
   halves_ = (halves_ ? 4 : 1) * milliseconds_since(start) > options_.slow_ms;

@@ -2,9 +2,11 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "viewer/app/mesh_drawing.h"
+#include "viewer/app/spheres_drawing.h"
 #include "viewer/render/painter.h"
 #include "viewer/session/session.h"
 
@@ -20,6 +22,8 @@ class ViewPainter {
     double slow_ms = 70;                      ///< after a quick one that takes longer they have half the pixels a side
     std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
     std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
+    GLsizei most_fluent_cones = 100'000;      ///< of a sphere-mesh of more only triangles are drawn while it moves,
+    std::size_t most_fluent_spheres = 5'000;  ///< a sphere-mesh of more is made in the background
   };
   [[nodiscard]] static sdk::Expected<ViewPainter> create(const Options& options);
   [[nodiscard]] static sdk::Expected<ViewPainter> create() { return create(Options()); }
@@ -37,13 +41,21 @@ class ViewPainter {
   /// It may have fewer pixels than the view.
   [[nodiscard]] const Painter& picture() const noexcept { return rough_ ? quick_ : careful_; }
   /// Nothing more of it is shown: what is being made for it is not wanted.
-  void rest() { mesh_->rest(); }
+  void rest() {
+    mesh_->rest();
+    spheres_->rest();
+  }
+  /// What kept something from being drawn, once.
+  [[nodiscard]] std::optional<std::string> take_complaint() {
+    auto complaint = mesh_->take_complaint();
+    return complaint ? complaint : spheres_->take_complaint();
+  }
   /// How many pictures it has painted.
   [[nodiscard]] std::size_t painted() const noexcept { return painted_; }
   /// Whether the picture is rougher or older than it could be and should be painted again soon.
-  [[nodiscard]] bool rough() const noexcept { return rough_ || mesh_->making(); }
+  [[nodiscard]] bool rough() const noexcept { return rough_ || making(); }
   /// Whether that is all there is to do until something that is made in the background is there.
-  [[nodiscard]] bool awaits() const noexcept { return !rough_ && mesh_->making(); }
+  [[nodiscard]] bool awaits() const noexcept { return !rough_ && making(); }
 
  private:
   /// What a drawing was made from; another one is made where it differs.
@@ -63,7 +75,9 @@ class ViewPainter {
       : options_(options),
         quick_(std::move(quick)),
         careful_(std::move(careful)),
-        mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)) {}
+        mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)),
+        spheres_(std::make_unique<SpheresDrawing>(options.most_fluent_spheres)) {}
+  [[nodiscard]] bool making() const noexcept { return mesh_->making() || spheres_->making(); }
   void keep(Kept& kept, Key key, const Scene& scene);
   void show(const Kept& kept);
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once);
@@ -74,12 +88,14 @@ class ViewPainter {
   Options options_;
   Painter quick_, careful_;
   std::unique_ptr<MeshDrawing> mesh_;
-  Kept spheres_, city_, ribbon_, nothing_;
+  std::unique_ptr<SpheresDrawing> spheres_;
+  Kept city_, ribbon_, nothing_;
   double made_ = 0;
   std::vector<const Drawing*> drawings_;
   // What the picture is to show and shows: which drawings, from where.
   std::vector<double> shows_, shown_;
-  bool rough_ = false;  // the careful picture is not done
+  bool rough_ = false;   // the careful picture is not done
+  bool finest_ = false;  // it has, or will have, as many samples as it can
   std::size_t painted_ = 0;
   double careful_ms_ = 0, spent_ms_ = 0;  // what the last careful picture took, and this one so far
   bool halves_ = false;                   // quick pictures have half the pixels a side

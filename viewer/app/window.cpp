@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <utility>
@@ -25,6 +26,13 @@ std::string glfw_complaint() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "no reason given";
+}
+
+/// Processor time of this thread.
+Session::Time spent() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 /// Everything that a window needs, taken down in the right order.
@@ -86,6 +94,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
       glfwPollEvents();
     }
     const auto begun = std::chrono::steady_clock::now();
+    const Session::Time spent_before = spent();
     session.update(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * glfwGetTime())));
     playlist.step(session);
     int width = 0, height = 0;
@@ -95,6 +104,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     ImGui_ImplGlfw_NewFrame();
     if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
     session.longest_frame = std::max<Session::Time>(session.longest_frame, std::chrono::steady_clock::now() - begun);
+    session.longest_work = std::max(session.longest_work, spent() - spent_before);
     glfwSwapBuffers(w.window);
     if (session.picture) {
       const PictureRequest request = *std::exchange(session.picture, std::nullopt);

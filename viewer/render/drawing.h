@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "viewer/render/gl_objects.h"
-#include "viewer/render/scene.h"
+#include "viewer/scene/scene.h"
 
 namespace armature::viewer {
 
@@ -23,16 +23,24 @@ struct RecordMember {
 class Records {
  public:
   Records() = default;
+  /// Room for them; `piece()` is what is to be sent there.
   template <class Record>
   Records(const std::vector<Record>& records, std::initializer_list<RecordMember> members, bool instanced)
       : Records({records.data(), records.size(), sizeof(Record)}, members, instanced) {}
 
-  /// Another member of every record, in a buffer of its own; `replace_colours()` replaces it.
-  void add_colours(std::span<const sdk::Colour> colours, GLuint index);
+  /// Room for another member of every record, in a buffer of its own; `replace_colours()` fills it.
+  void add_colours(GLuint index);
   void replace_colours(const void* colours, std::size_t bytes);
 
+  ///@{
+  /// Where records and colours go.
+  [[nodiscard]] GLuint buffer() const noexcept { return buffer_.get(); }
+  [[nodiscard]] GLuint colours() const noexcept { return colours_.get(); }
+  ///@}
   [[nodiscard]] GLsizei count() const noexcept { return count_; }
   void bind() const { glBindVertexArray(array_.get()); }
+  /// The same, for instances from that one on.
+  void bind_from(GLint first) const;
 
  private:
   struct Bytes {
@@ -43,14 +51,28 @@ class Records {
 
   GlVertexArray array_;
   GlBuffer buffer_, colours_;
-  GLsizei count_ = 0;
+  void point_at(GLint first) const;
+
+  GLsizei count_ = 0, stride_ = 0;
+  std::vector<RecordMember> members_;
+  bool instanced_ = false;
 };
 
 /// A scene on the card, drawn as often as one likes. Made, used and deleted while its context is current.
 class Drawing {
  public:
   /// The scene may go afterwards.
-  explicit Drawing(const Scene& scene);
+  explicit Drawing(const Scene& scene) : Drawing(scene, InBits()) {
+    while (!send_some()) {
+    }
+  }
+  ///@{
+  /// The same bit by bit, for a caller with something else to do in between: nothing of it may be drawn until
+  /// `send_some()` says that all of it is there, and the scene must stay so long.
+  struct InBits {};
+  Drawing(const Scene& scene, InBits);
+  bool send_some();
+  ///@}
 
   struct Content {
     Records corners, balls, cones;
@@ -65,9 +87,21 @@ class Drawing {
   [[nodiscard]] const Palette& palette() const noexcept { return palette_; }
 
  private:
+  /// What a buffer is still to get.
+  struct Piece {
+    GLuint buffer = 0;
+    std::span<const std::byte> bytes = {};
+    std::size_t sent = 0;
+  };
+  template <class Record>
+  void plan(GLuint buffer, const std::vector<Record>& records) {
+    if (!records.empty()) pieces_.push_back({buffer, std::as_bytes(std::span(records))});
+  }
+
   sdk::Sphere frame_;
   Palette palette_;
   std::array<Content, 2> layers_;  // by Layer
+  std::vector<Piece> pieces_;
 };
 
 }  // namespace armature::viewer

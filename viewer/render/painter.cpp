@@ -24,6 +24,7 @@ constexpr float kLineWidthPx = 0.8F;
 ///@{
 /// What is done at once.
 constexpr GLsizei kCornersAStep = 3 * 65'536;
+constexpr GLsizei kInstancesAStep = 1 << 14;
 constexpr GLsizei kSamplesAStep = 1 << 18;
 ///@}
 
@@ -103,9 +104,10 @@ sdk::Expected<void> Painter::begin(std::span<const Drawing* const> drawings, con
   if (auto sized = resize(width, height, samples); !sized) return sized;
   camera_ = camera;
   obscurance_ = options.obscurance;
-  plan_layer(drawings, Layer::Solid);
+  plan_layer(drawings, Layer::Solid, options.most_ray_cast);
   const auto has_glass = [](const Drawing* drawing) { return !drawing->content(Layer::Glass).empty(); };
-  if (std::any_of(drawings.begin(), drawings.end(), has_glass)) plan_layer(drawings, Layer::Glass);
+  if (std::any_of(drawings.begin(), drawings.end(), has_glass))
+    plan_layer(drawings, Layer::Glass, options.most_ray_cast);
   steps_.push_back({.kind = Step::Kind::Resolve});
   return {};
 }
@@ -116,16 +118,19 @@ bool Painter::go_on() {
 }
 
 /// What is drawn of a layer, then the light on it.
-void Painter::plan_layer(std::span<const Drawing* const> drawings, Layer layer) {
+void Painter::plan_layer(std::span<const Drawing* const> drawings, Layer layer, GLsizei most_ray_cast) {
   using Kind = Step::Kind;
   steps_.push_back({.kind = Kind::Clear, .layer = layer});
   for (const Drawing* drawing : drawings) {
     const Drawing::Content& content = drawing->content(layer);
-    const GLsizei corners = content.corners.count();
-    for (GLint first = 0; first < corners; first += kCornersAStep)
-      steps_.push_back({Kind::Corners, layer, drawing, first, std::min(kCornersAStep, corners - first)});
-    if (content.balls.count() > 0) steps_.push_back({Kind::Balls, layer, drawing});
-    if (content.cones.count() > 0) steps_.push_back({Kind::Cones, layer, drawing});
+    const auto plan = [&](Kind kind, GLsizei count, GLsizei at_once) {
+      for (GLint first = 0; first < count; first += at_once)
+        steps_.push_back({kind, layer, drawing, first, std::min(at_once, count - first)});
+    };
+    plan(Kind::Corners, content.corners.count(), kCornersAStep);
+    if (content.corners.count() > 0 && content.balls.count() + content.cones.count() > most_ray_cast) continue;
+    plan(Kind::Balls, content.balls.count(), kInstancesAStep);
+    plan(Kind::Cones, content.cones.count(), kInstancesAStep);
   }
   const GLsizei rows = height_ * samples_;
   const GLsizei rows_a_step = std::max(1, kSamplesAStep / (width_ * samples_));
@@ -209,16 +214,16 @@ void Painter::draw(const Step& step) {
     glDrawArrays(GL_TRIANGLES, step.first, step.count);
   } else if (step.kind == Step::Kind::Balls) {
     use(balls_, view);
-    content.balls.bind();
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, content.balls.count());
+    content.balls.bind_from(step.first);
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, step.count);
   } else {
     use(cones_, view);
-    content.cones.bind();
+    content.cones.bind_from(step.first);
     // A box's far side alone: each of its pixels once.
     glEnable(GL_CULL_FACE);
     glFrontFace(GL_CCW);
     glCullFace(GL_FRONT);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, content.cones.count());
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, step.count);
     glDisable(GL_CULL_FACE);
   }
 }

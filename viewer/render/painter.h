@@ -1,15 +1,16 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <armature/sdk/error.h>
 
-#include "viewer/render/camera.h"
 #include "viewer/render/drawing.h"
 #include "viewer/render/gl_objects.h"
 #include "viewer/render/image.h"
+#include "viewer/scene/camera.h"
 
 namespace armature::viewer {
 
@@ -17,6 +18,8 @@ namespace armature::viewer {
 struct PaintOptions {
   int samples_a_side = 0;  ///< of a pixel; 0: as many as a picture of that size affords, three at most
   bool obscurance = true;  ///< corners and clefts are darker; else light depends on the normal alone, as in a matcap
+  /// Of a drawing with more balls and cones than this its triangles alone, if it has any.
+  GLsizei most_ray_cast = std::numeric_limits<GLsizei>::max();
 };
 
 /// Paints drawings with the context that is current, into a picture of its own: depth-tested against one another,
@@ -56,12 +59,12 @@ class Painter {
     Kind kind = Kind::Clear;
     Layer layer = Layer::Solid;
     const Drawing* drawing = nullptr;  // for light, the first one
-    GLint first = 0;                   // corner, or row of samples,
+    GLint first = 0;                   // corner, ball, cone, or row of samples,
     GLsizei count = 0;                 // and how many
   };
   Painter() = default;
   sdk::Expected<void> resize(int width, int height, int samples);
-  void plan_layer(std::span<const Drawing* const> drawings, Layer layer);
+  void plan_layer(std::span<const Drawing* const> drawings, Layer layer, GLsizei most_ray_cast);
   void take(const Step& step);
   void clear(Layer layer);
   void draw(const Step& step);

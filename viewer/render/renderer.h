@@ -4,9 +4,9 @@
 
 #include <armature/sdk/error.h>
 
-#include "viewer/render/camera.h"
 #include "viewer/render/image.h"
-#include "viewer/render/scene.h"
+#include "viewer/scene/camera.h"
+#include "viewer/scene/scene.h"
 
 namespace armature::viewer {
 

@@ -53,4 +53,10 @@ std::optional<sdk::Expected<void>> Job::poll() {
   return sdk::Expected<void>();
 }
 
+std::optional<std::string> Job::poll_failure() {
+  const auto done = poll();
+  if (!done || *done || done->error().kind == sdk::ErrorKind::Cancelled) return std::nullopt;
+  return done->error().message;
+}
+
 }  // namespace armature::viewer

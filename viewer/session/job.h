@@ -43,6 +43,8 @@ class Job {
   void cancel();
   /// Once the work has ended: applies its changes, or tells why there are none. Nothing while it runs.
   [[nodiscard]] std::optional<sdk::Expected<void>> poll();
+  /// The same for whom only a failure matters: what is wrong, if the work has just failed and was not cancelled.
+  [[nodiscard]] std::optional<std::string> poll_failure();
 
  private:
   struct State {

@@ -8,8 +8,8 @@
 #include <armature/sdk/io/write_mesh.h>
 #include <armature/sdk/mesh/measures.h>
 
-#include "viewer/render/scene.h"
-#include "viewer/render/shading.h"
+#include "viewer/scene/scene.h"
+#include "viewer/scene/shading.h"
 #include "viewer/session/posing.h"
 
 namespace armature::viewer {
@@ -69,6 +69,10 @@ sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfaceP
 
 void SphereShape::show(sdk::SphereMesh other) {
   shape = std::move(other);
+  changed();
+}
+
+void SphereShape::changed() {
   tree.reset();
   errors.reset();
   unmeasured.clear();
@@ -77,6 +81,22 @@ void SphereShape::show(sdk::SphereMesh other) {
 void Model::go_to(std::size_t count) {
   spheres->cursor->go_to(count);
   set_refined(spheres->cursor->sphere_mesh());
+}
+
+void Model::go_to(Level& level) {
+  std::swap(*spheres->cursor, level.cursor);
+  std::swap(spheres->shape, level.shape);
+  spheres->changed();
+  spheres->tree = std::move(level.tree);
+  ++spheres_revision;
+}
+
+Level make_level(const sdk::LevelCursor& from, std::size_t spheres) {
+  sdk::LevelCursor cursor = from;
+  cursor.go_to(spheres);
+  sdk::SphereMesh shape = cursor.sphere_mesh();
+  sdk::SphereMeshTree tree(shape);
+  return {std::move(cursor), std::move(shape), std::move(tree)};
 }
 
 void Model::set_spheres(sdk::SphereMesh shape) {
@@ -98,16 +118,22 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   ++spheres_revision;
 }
 
-void Model::take_pose() {
-  set_refined(posing->shape());
-  const auto positions = posing->positions();
-  if (posed.triangles.size() != mesh->mesh.triangles.size()) posed = mesh->mesh;
-  posed.positions.assign(positions.begin(), positions.end());
+void Model::lay(std::shared_ptr<const Pose> as) {
+  pose = std::move(as);
+  previewed.reset();
+  set_refined(pose->shape);
+  ++mesh_revision;
+}
+
+void Model::preview(std::shared_ptr<const Pose> as) {
+  previewed = std::move(as);
+  set_refined((previewed ? previewed : pose)->shape);
   ++mesh_revision;
 }
 
 const sdk::Mesh& Model::shown_mesh() const {
-  return posing ? posed : editing.tried ? editing.tried->mesh : mesh->mesh;
+  if (posing) return (previewed ? previewed : pose)->mesh;
+  return editing.tried ? editing.tried->mesh : mesh->mesh;
 }
 
 sdk::Sphere Model::around() const {

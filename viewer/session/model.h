@@ -57,7 +57,18 @@ struct SphereShape {
   std::string unmeasured;                          ///< why that cannot be done
   /// Shows another shape.
   void show(sdk::SphereMesh other);
+  /// What was found out about the shape before counts no longer.
+  void changed();
 };
+
+/// A level that is made apart from what is shown, and the way there.
+struct Level {
+  sdk::LevelCursor cursor;
+  sdk::SphereMesh shape;
+  sdk::SphereMeshTree tree;
+};
+/// A level of a hierarchy. Takes as long as copying the cursor, which nobody may move meanwhile, and longer.
+[[nodiscard]] Level make_level(const sdk::LevelCursor& from, std::size_t spheres);
 
 /// What regions of a mesh are selected, and the regions like the last one.
 struct Selecting {
@@ -79,6 +90,7 @@ struct Selecting {
                                               const sdk::SurfacePoint& to, double snap);
 
 class Posing;
+struct Pose;
 
 /// What a hierarchy shows first: few enough spheres to see what it does.
 inline constexpr std::size_t kFirstLevel = 60;
@@ -90,23 +102,29 @@ struct Model {
   std::shared_ptr<const MeshShape> mesh;
   std::optional<SphereShape> spheres;
   Selecting selecting;
-  std::shared_ptr<Posing> posing;  ///< while the mesh is being deformed; jobs may change it
-  sdk::Mesh posed;                 ///< how the mesh lies then
+  std::shared_ptr<Posing> posing;         ///< while the mesh is being deformed
+  std::shared_ptr<const Pose> pose;       ///< how it lies then,
+  std::shared_ptr<const Pose> previewed;  ///< or would lie; or none
   Editing editing;
   std::vector<sdk::SphereId> handle;  ///< what is held of its level
   std::vector<float> values;          ///< of a map, by vertex, in [0, 1]; or empty
   /// Changes with what is drawn of each: the mesh's shape, its colours, the spheres.
   std::uint64_t mesh_revision = 1, colour_revision = 1, spheres_revision = 1;
 
-  /// Goes to a level of the hierarchy, which must have it.
+  /// Goes to a level of the hierarchy, which must have it; or to one that was made before, which then holds what was
+  /// there.
   void go_to(std::size_t spheres);
+  void go_to(Level& level);
   /// Replaces the sphere-mesh; the hierarchy goes.
   void set_spheres(sdk::SphereMesh shape);
   /// Replaces the level that is shown; the hierarchy stays, and its next level comes from there.
   void set_refined(sdk::SphereMesh shape);
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
-  /// Shows spheres and mesh as they are posed.
-  void take_pose();
+  ///@{
+  /// Shows spheres and mesh as they lie from now on; as they would lie, or no longer.
+  void lay(std::shared_ptr<const Pose> as);
+  void preview(std::shared_ptr<const Pose> as);
+  ///@}
   /// The mesh as it is shown: posed, with the edit that is tried, or as it is. There must be one.
   [[nodiscard]] const sdk::Mesh& shown_mesh() const;
   /// A sphere that holds all of it.

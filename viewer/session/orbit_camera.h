@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <armature/sdk/spheremesh/primitives.h>
 
-#include "viewer/render/camera.h"
+#include "viewer/scene/camera.h"
 
 namespace armature::viewer {
 

@@ -16,6 +16,29 @@ Posing::Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk:
                sdk::DeformationSession session)
     : rest_(std::move(mesh)), hierarchy_(std::move(hierarchy)), session_(std::move(session)) {}
 
+std::shared_ptr<const Pose> Posing::pose() const {
+  auto pose = std::make_shared<Pose>();
+  pose->mesh = rest_->mesh;
+  pose->mesh.positions.assign(session_.positions().begin(), session_.positions().end());
+  pose->shape = session_.shape();
+  for (std::size_t sphere = 0; sphere < pose->shape.spheres.size(); ++sphere)
+    pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
+  pose->steps = steps();
+  return pose;
+}
+
+template <class Step>
+Posing::Laid Posing::after(const Step& step) {
+  const std::lock_guard lock(mutex_);
+  if (sdk::Expected<void> done = step(); !done) return tl::unexpected(done.error());
+  return pose();
+}
+
+std::string Posing::text() const {
+  const std::lock_guard lock(mutex_);
+  return session_.text();
+}
+
 std::size_t Posing::steps() const {
   const std::string text = session_.text();
   std::size_t steps = 0;
@@ -24,12 +47,64 @@ std::size_t Posing::steps() const {
   return steps;
 }
 
-sdk::Expected<void> Posing::replay(std::string_view text, std::string_view name) {
-  const std::size_t before = steps();
-  auto done = session_.replay(text, name);
-  if (!done)
-    for (std::size_t more = steps(); more > before; --more) session_.undo();
-  return done;
+Posing::Laid Posing::lies() const {
+  const std::lock_guard lock(mutex_);
+  return pose();
+}
+
+Posing::Laid Posing::move(const sdk::SphereMove& move) {
+  return after([&] { return session_.move(move); });
+}
+
+Posing::Laid Posing::preview(const sdk::SphereMove& move) {
+  return after([&] { return session_.preview(move); });
+}
+
+Posing::Laid Posing::go_to(std::size_t spheres) {
+  return after([&] { return session_.go_to(spheres); });
+}
+
+Posing::Laid Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
+  return after([&] { return session_.pin(spheres, pinned); });
+}
+
+Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
+  return after([&] {
+    const std::size_t before = steps();
+    auto done = session_.replay(text, name);
+    if (!done)
+      for (std::size_t more = steps(); more > before; --more) session_.undo();
+    return done;
+  });
+}
+
+Posing::Laid Posing::undo() {
+  return after([&]() -> sdk::Expected<void> {
+    return session_.undo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
+  });
+}
+
+Posing::Laid Posing::redo() {
+  return after([&]() -> sdk::Expected<void> {
+    return session_.redo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
+  });
+}
+
+sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
+                        bool lets_go) {
+  session.start(
+      std::move(title),
+      [change = std::move(change), lets_go,
+       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        auto laid = change(*model->posing);
+        if (!laid) return tl::unexpected(laid.error());
+        return Job::Apply([model, lets_go, pose = std::move(*laid)] {
+          if (lets_go) model->handle.clear();
+          model->lay(pose);
+        });
+      },
+      true);
+  return {};
 }
 
 }  // namespace armature::viewer

@@ -1,59 +1,71 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <armature/sdk/deformation/session.h>
 
-#include "viewer/session/model.h"
+#include "viewer/session/session.h"
 
 namespace armature::viewer {
 
-/// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session and what it needs to live.
-/// Thread-safe: no; jobs change it, and what is shown meanwhile is the model's copy.
+/// How a mesh that is being deformed lies at some moment.
+struct Pose {
+  sdk::Mesh mesh = {};
+  sdk::SphereMesh shape = {};     ///< the spheres of the level
+  std::vector<bool> pinned = {};  ///< by sphere
+  std::size_t steps = 0;          ///< how many there are to undo
+};
+
+/// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session and what it needs to live. What
+/// changes it takes long where the mesh is large, so jobs do it; each returns how the mesh then lies. Thread-safe: one
+/// waits for another.
 class Posing {
  public:
+  using Laid = sdk::Expected<std::shared_ptr<const Pose>>;
+
   /// Fails where the hierarchy is of another mesh. Takes a while: a factorisation.
   [[nodiscard]] static sdk::Expected<std::shared_ptr<Posing>> begin(std::shared_ptr<const MeshShape> mesh,
                                                                     std::shared_ptr<const sdk::Hierarchy> hierarchy,
                                                                     std::size_t spheres, const sdk::Task& task);
 
   ///@{
-  /// As it lies now, a preview included.
-  [[nodiscard]] std::span<const Eigen::Vector3d> positions() const noexcept { return session_.positions(); }
-  [[nodiscard]] const sdk::SphereMesh& shape() const noexcept { return session_.shape(); }
+  /// As the sdk's session has them; what fails changes nothing. A preview goes with whatever follows.
+  [[nodiscard]] Laid lies() const;
+  [[nodiscard]] Laid move(const sdk::SphereMove& move);
+  [[nodiscard]] Laid preview(const sdk::SphereMove& move);
+  [[nodiscard]] Laid go_to(std::size_t spheres);
+  [[nodiscard]] Laid pin(std::span<const sdk::SphereId> spheres, bool pinned);
+  [[nodiscard]] Laid replay(std::string_view text, std::string_view name);
+  [[nodiscard]] Laid undo();
+  [[nodiscard]] Laid redo();
   ///@}
-  [[nodiscard]] std::size_t level() const noexcept { return shape().spheres.size(); }
-  [[nodiscard]] bool is_pinned(sdk::SphereId sphere) const noexcept { return session_.is_pinned(sphere); }
-  /// How many there are to undo.
-  [[nodiscard]] std::size_t steps() const;
-  /// All steps, as `DeformationSession::replay()` takes them.
-  [[nodiscard]] std::string text() const { return session_.text(); }
-
-  ///@{
-  /// As the sdk's session has them; a replay that fails changes nothing.
-  [[nodiscard]] sdk::Expected<void> move(const sdk::SphereMove& move) { return session_.move(move); }
-  [[nodiscard]] sdk::Expected<void> preview(const sdk::SphereMove& move) { return session_.preview(move); }
-  void cancel_preview() { session_.cancel(); }
-  [[nodiscard]] sdk::Expected<void> go_to(std::size_t spheres) { return session_.go_to(spheres); }
-  [[nodiscard]] sdk::Expected<void> pin(std::span<const sdk::SphereId> spheres, bool pinned) {
-    return session_.pin(spheres, pinned);
-  }
-  [[nodiscard]] sdk::Expected<void> replay(std::string_view text, std::string_view name);
-  bool undo() { return session_.undo(); }
-  bool redo() { return session_.redo(); }
-  ///@}
+  /// All steps, as `replay()` takes them.
+  [[nodiscard]] std::string text() const;
 
  private:
   Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk::Hierarchy> hierarchy,
          sdk::DeformationSession session);
+  /// Carries out what returns whether it could be.
+  template <class Step>
+  Laid after(const Step& step);
+  [[nodiscard]] std::shared_ptr<const Pose> pose() const;
+  [[nodiscard]] std::size_t steps() const;
 
   std::shared_ptr<const MeshShape> rest_;
   std::shared_ptr<const sdk::Hierarchy> hierarchy_;
+  mutable std::mutex mutex_;
   sdk::DeformationSession session_;  // refers to both
 };
+
+/// Starts a job that changes how the active model lies, which must be posed; `lets_go`: nothing is held afterwards.
+sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
+                        bool lets_go = false);
 
 }  // namespace armature::viewer

@@ -32,9 +32,9 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
   }
   if (model.posing) {
     facts["held"] = std::to_string(model.handle.size());
-    facts["steps"] = std::to_string(model.posing->steps());
+    facts["steps"] = std::to_string(model.pose->steps);
     Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& position : model.posed.positions) box.extend(position);
+    for (const Eigen::Vector3d& position : model.shown_mesh().positions) box.extend(position);
     for (const auto& [name, place] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
       facts[fmt::format("lowest.{}", name)] = fmt::format("{:.5f}", box.min()[place]);
       facts[fmt::format("highest.{}", name)] = fmt::format("{:.5f}", box.max()[place]);
@@ -101,8 +101,10 @@ std::map<std::string, std::string> Session::report() const {
   facts["mesh"] = kMeshLooks[static_cast<std::size_t>(looks.mesh)];
   facts["tool"] = kTools[static_cast<std::size_t>(tool)];
   facts["models"] = std::to_string(models.size());
-  if (longest_frame.count() > 0)
+  if (longest_frame.count() > 0) {
     facts["frame.longest_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_frame.count()));
+    facts["frame.longest_work_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_work.count()));
+  }
   facts["notice"] = notice;
   facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
   facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);

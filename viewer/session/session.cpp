@@ -12,6 +12,8 @@ namespace {
 
 /// Points at which the error of a level is measured while the slider moves.
 constexpr std::size_t kLevelSamples = 20'000;
+/// Of more spheres measuring takes minutes, in which it cannot be cancelled.
+constexpr std::size_t kMostMeasured = 10'000;
 /// How long a notice that is no error is shown.
 constexpr auto kNoticeStays = std::chrono::seconds(8);
 /// How long a level must stand before its error is worth measuring.
@@ -44,6 +46,11 @@ void Session::tell(std::string text, bool error) {
   notice_since = now;
 }
 
+/// What failed is old news once something else has been done; to look at it from elsewhere is not that.
+void Session::forget_error(std::string_view command) {
+  if (notice_is_error && !replaces_itself(command)) tell("");
+}
+
 sdk::Expected<void> Session::execute(std::string_view line) {
   const auto fails = [&](const std::string& why) -> sdk::Expected<void> {
     tell(why, true);
@@ -69,6 +76,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
     return {};
   }
   if (is_about_scripts(*command)) return {};
+  forget_error(name);
   // What a job began with stays before it.
   const std::size_t first = job.running() ? pending_at_ : 0;
   if (log_.size() > first && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
@@ -85,6 +93,7 @@ void Session::take_job() {
   if (!done) return;
   if (*done) {
     const std::string_view name = first_word(pending_line_);
+    forget_error(name);
     if (pending_at_ > 0 && replaces_itself(name) && first_word(log_[pending_at_ - 1]) == name)
       log_.erase(log_.begin() + static_cast<std::ptrdiff_t>(--pending_at_));
     log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);
@@ -96,9 +105,24 @@ void Session::take_job() {
   }
 }
 
+void Session::discard(std::shared_ptr<const void> unwanted) {
+  if (unwanted) unwanted_.push_back(std::move(unwanted));
+}
+
+/// What is not wanted any more goes with a job of its own.
+void Session::clear_out() {
+  static_cast<void>(discarding_.poll());
+  if (unwanted_.empty() || discarding_.running()) return;
+  discarding_.start("clearing out", [unwanted = std::exchange(unwanted_, {})](const sdk::Task&) mutable {
+    unwanted.clear();
+    return sdk::Expected<Job::Apply>(Job::Apply());
+  });
+}
+
 void Session::update(Time time) {
   now = time;
   take_job();
+  clear_out();
   walk.update(time);
   bool is_error = false;
   if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);
@@ -123,6 +147,11 @@ void Session::measure_level() {
     model->spheres->unmeasured = done->error().message;
   }
   if (model->spheres->errors || !model->spheres->unmeasured.empty()) return;
+  if (model->spheres->shape.spheres.size() > kMostMeasured) {
+    model->spheres->unmeasured = "measured up to " + std::to_string(kMostMeasured) +
+                                 " spheres only: more take minutes, with `armature spheremesh measure`";
+    return;
+  }
   if (measuring_.running() || now - level_since_ < kLevelRests) return;
   measuring_.start("measuring",
                    [mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
@@ -213,7 +242,7 @@ Model* Session::other() const {
   return beside == 0 || beside > models.size() || beside - 1 == active_model ? nullptr : models[beside - 1].get();
 }
 
-std::optional<Picked> Session::pick(const ViewPoint& at) {
+std::optional<Picked> Session::pick(const ViewPoint& at) const {
   if (models.empty()) return std::nullopt;
   Model& model = *models[active_model];
   const sdk::Ray ray = camera.ray(at);

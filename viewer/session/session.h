@@ -20,6 +20,9 @@
 
 namespace armature::viewer {
 
+/// What goes on while a level is made that has many spheres.
+inline constexpr const char* kLevelTitle = "changing the level";
+
 enum class Mode : std::uint8_t { Shapes, Walk };
 enum class Panel : std::uint8_t { Look, Spheres, Select, Edit };
 enum class Tool : std::uint8_t { Look, Click, Cut, Brush, Lasso, Edge, Pose, Spot };
@@ -102,7 +105,7 @@ class Session {
   /// The model that is shown beside the active one, or none.
   [[nodiscard]] Model* other() const;
   /// What is seen at a place of the view, if anything is.
-  [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at);
+  [[nodiscard]] std::optional<Picked> pick(const ViewPoint& at) const;
   /// Facts by name, for scripts to print and to expect.
   [[nodiscard]] std::map<std::string, std::string> report() const;
 
@@ -130,21 +133,33 @@ class Session {
   bool failed = false;     ///< a line has failed, or an expectation
   bool forgiving = false;  ///< what fails now does not count
   bool quit = false;
-  /// The longest that a window took for a frame, waiting aside, since that was last told.
-  Time longest_frame{0};
+  ///@{
+  /// The longest that a window took for a frame, waiting aside, since that was last told: by the clock, and in
+  /// processor time of its thread.
+  Time longest_frame{0}, longest_work{0};
+  ///@}
   Time now{0};
 
   void tell(std::string text, bool error = false);
+  /// Lets things go where that holds nothing up: those of a large model take a while.
+  void discard(std::shared_ptr<const void> unwanted);
+  void discard(std::initializer_list<std::shared_ptr<const void>> unwanted) {
+    for (const auto& thing : unwanted) discard(thing);
+  }
 
  private:
   void measure_level();
   void prepare_tool();
+  void clear_out();
+  void forget_error(std::string_view command);
   void take_job();
 
   std::vector<std::string> log_;
   std::string line_, pending_line_;  // being carried out; whose job runs
   std::size_t pending_at_ = 0;       // where that belongs in the log: after what was carried out before it
   Job measuring_;
+  std::vector<std::shared_ptr<const void>> unwanted_;
+  Job discarding_;
   std::weak_ptr<const Model> measured_;  // whose spheres are or were measured last,
   std::uint64_t measured_revision_ = 0;  // and which of them
   Time level_since_{0};

@@ -13,7 +13,7 @@
 #include <armature/navproto/nav_camera.h>
 #include <armature/sdk/error.h>
 
-#include "viewer/render/camera.h"
+#include "viewer/scene/camera.h"
 #include "viewer/walk/city.h"
 #include "viewer/walk/daemon_link.h"
 #include "viewer/walk/daemon_process.h"

@@ -130,6 +130,17 @@ TEST(ExpandPart, MapsMatchesOntoTheReferenceAndSaysWhichAreMirrored) {
   }
 }
 
+TEST(ExpandPart, TellsHandednessInNoise) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Expanded expanded(copies(0.001, seed), 0.3);
+    for (const Match& match : expanded.expansion.first(kCopies)) {
+      const int limb = expanded.found(match).first;
+      if (limb == 3) continue;  // bent
+      EXPECT_EQ(match.mirrored, limb == 4) << match.reason;
+    }
+  }
+}
+
 TEST(ExpandPart, CutsALongerLimbAtItsRoot) {
   // Figure 5.11 c of the thesis: an isoline of the reference's value would end elsewhere.
   const Expanded expanded(copies(), 0.1);

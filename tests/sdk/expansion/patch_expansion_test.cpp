@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <span>
 #include <stop_token>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Dense>
@@ -10,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "sdk/expansion/face_graph.h"
+#include "sdk/expansion/patch_places.h"
 #include "sdk/expansion/patch_registration.h"
 #include "sdk/expansion/sample_grid.h"
 #include "tests/sdk/mesh/surfaces.h"
@@ -60,6 +64,43 @@ TEST(PatchContexts, AreAlikeWhereTheSurfaceIs) {
   EXPECT_LT((*similarity)[vertex_near(mesh, {0.5, 0.5, 0}).index()], 0.8);
   EXPECT_LT((*similarity)[vertex_near(mesh, {0, 0, 0}).index()], 0.6);
   EXPECT_FALSE(PatchContexts::build(surface, 0));
+  const auto short_of_bins = contexts->similarity_to(std::span(context).first(99));
+  ASSERT_FALSE(short_of_bins);
+  EXPECT_EQ(short_of_bins.error().message, "expected a context of 100 bins, found 99");
+}
+
+TEST(PatchPlaces, AreMaximaThatNoBetterOneIsNear) {
+  const Mesh mesh = surfaces::paraboloid(0, 0, 40);
+  const Surface surface(mesh);
+  std::vector<float> similarity(mesh.positions.size());
+  const VertexId best = vertex_near(mesh, {0, 0, 0});
+  const VertexId beside = vertex_near(mesh, {0.2, 0.1, 0});
+  const VertexId apart = vertex_near(mesh, {-0.5, 0.4, 0});
+  similarity[best.index()] = 0.9F;
+  similarity[beside.index()] = 0.8F;
+  similarity[apart.index()] = 0.7F;
+  const auto centres = [&](double radius) {
+    std::vector<VertexId> found;
+    for (const PatchPlace& place : maxima(surface, similarity, radius, 1)) found.push_back(place.centre);
+    return found;
+  };
+  EXPECT_EQ(centres(0.1), (std::vector{best, beside, apart}));
+  EXPECT_EQ(centres(0.4), (std::vector{best, apart}));
+  EXPECT_EQ(centres(9), std::vector{best});
+}
+
+TEST(PatchPlaces, OfManySizesCountTwice) {
+  const Mesh mesh = surfaces::paraboloid(0, 0, 40);
+  const Surface surface(mesh);
+  const VertexId one = vertex_near(mesh, {0, 0, 0});
+  const VertexId beside = vertex_near(mesh, {0.05, 0, 0});
+  const VertexId apart = vertex_near(mesh, {-0.5, 0.4, 0});
+  const std::vector<PatchPlace> places = {{one, 1, 0.7F}, {beside, 1.5, 0.9F}, {apart, 2, 0.6F}, {one, 2, 0.8F}};
+  const RankedPlaces found = ranked(surface, places, 0.2);
+  EXPECT_EQ(found.first, (std::vector<std::size_t>{1, 3, 2}));
+  EXPECT_EQ(found.others, std::vector<std::size_t>{0});
+  EXPECT_EQ(ranked(surface, places, 0.01).first.size(), 4);
+  EXPECT_TRUE(ranked(surface, {}, 1).first.empty());
 }
 
 TEST(PatchContexts, OfAFlatSurfaceGrowWithTheDistance) {
@@ -168,21 +209,37 @@ TEST(PatchExpansion, SaysWhereAnotherTurnFitsAsWell) {
   EXPECT_NE(expansion->first(1)[0].reason.find("turned otherwise"), std::string::npos);  // the bump is round
 }
 
-TEST(PatchExpansion, TellsAHalfTurnInNoise) {
-  // A ridge with a knob towards one end, and the same half turned; noise of up to 2 % of the patch's radius.
+/// A table with a ridge that has a knob towards one end, so far aside, and the same half turned; vertices are moved up
+/// or down by up to some noise.
+Mesh table_with_ridges(double aside, double noise) {
   std::mt19937 random(1);
-  const Mesh mesh = surfaces::over({70, 70, false, false, 0}, [&](double i, double j) {
+  return surfaces::over({70, 70, false, false, 0}, [&](double i, double j) {
     const Vector3d p(2 * i - 1, 2 * j - 1, 0);
     double z = 0;
     for (const double side : {-1.0, 1.0}) {
       const double x = side * (p.x() - 0.5 * side);
       const double y = side * p.y();
       z += 0.15 * std::exp(-std::pow(x / 0.2, 2) - std::pow(y / 0.1, 2));
-      z += 0.06 * std::exp(-(std::pow(x - 0.12, 2) + y * y) / 0.005);
+      z += 0.06 * std::exp(-(std::pow(x - 0.12, 2) + std::pow(y - aside, 2)) / 0.005);
     }
-    const double noise = 0.006 * (static_cast<double>(random()) / 2147483648.0 - 1);
-    return Vector3d(p.x(), p.y(), z + noise);
+    return Vector3d(p.x(), p.y(), z + noise * (static_cast<double>(random()) / 2147483648.0 - 1));
   });
+}
+
+TEST(PatchExpansion, SaysWhereAMirrorImageFitsAsWellAndNoTurn) {
+  for (const bool symmetric : {true, false}) {
+    const Mesh mesh = table_with_ridges(symmetric ? 0 : 0.08, 0);
+    const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.3, {-0.5, 0}));
+    ASSERT_TRUE(expansion);
+    ASSERT_GE(expansion->size(), 1);
+    const std::string& reason = expansion->first(1)[0].reason;
+    EXPECT_EQ(reason.find("turned"), std::string::npos) << reason;
+    EXPECT_EQ(reason.find("nearly as well mirrored") != std::string::npos, symmetric) << reason;
+  }
+}
+
+TEST(PatchExpansion, TellsAHalfTurnInNoise) {
+  const Mesh mesh = table_with_ridges(0, 0.006);  // up to 2 % of the patch's radius
   const auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.3, {-0.5, 0}));
   ASSERT_TRUE(expansion);
   ASSERT_GE(expansion->size(), 1);
@@ -216,6 +273,50 @@ TEST(PatchExpansion, FindsOtherSizesWhenAsked) {
       std::ranges::count_if(
           best, [](const Match& match) { return std::abs(std::cbrt(linear(match).determinant()) - 1 / 1.6) < 0.05; }),
       3);
+}
+
+TEST(PatchExpansion, SaysWhatItDidNotLookAt) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const auto patch = faces_within(mesh, 0.2, {-0.5, -0.5});
+  const auto with = [&](std::string_view words, const Expansion& expansion) {
+    return std::ranges::count_if(expansion.rejected(), [&](const Rejected& rejected) {
+      return rejected.face.valid() && rejected.reason.find(words) != std::string::npos;
+    });
+  };
+  const auto all = expand_patch(surface, patch);
+  const auto one = expand_patch(surface, patch, {.most = 1});
+  const auto sizes = expand_patch(surface, patch, {.most = 1, .scales = {0.8, 0.9, 1}});
+  ASSERT_TRUE(all && one && sizes);
+  EXPECT_EQ(with("not among the best", *all), 0);
+  EXPECT_EQ(one->size(), 1);
+  EXPECT_EQ(one->size() + one->rejected().size(), all->size() + all->rejected().size());
+  EXPECT_GE(with("alike: not among the best 1", *one), 2);
+  EXPECT_GT(with("alike: not among the best 1", *sizes), with("alike: not among the best 1", *one));
+  EXPECT_GE(with("more alike at two other sizes", *sizes), 1);
+}
+
+TEST(PatchExpansion, LooksAtAllThatThereIsWhenAskedForMore) {
+  const Mesh mesh = table_with_bumps();
+  const Surface surface(mesh);
+  const auto patch = faces_within(mesh, 0.2, {-0.5, -0.5});
+  const auto some = expand_patch(surface, patch, {.most = 1000});
+  const auto all = expand_patch(surface, patch, {.most = std::numeric_limits<std::size_t>::max()});
+  ASSERT_TRUE(some && all);
+  EXPECT_GE(all->size(), 3);
+  EXPECT_EQ(all->size(), some->size());
+}
+
+TEST(PatchExpansion, ARejectedCopyTakesItsLikesAlongInNoise) {
+  std::mt19937 random(3);
+  Mesh mesh = table_with_bumps();
+  for (Vector3d& p : mesh.positions) p.z() += 0.012 * (static_cast<double>(random()) / 2147483648.0 - 1);
+  auto expansion = expand_patch(Surface(mesh), faces_within(mesh, 0.2, {-0.5, -0.5}));
+  ASSERT_TRUE(expansion);
+  ASSERT_GE(expansion->size(), 2);
+  EXPECT_GT(expansion->first(2)[1].score, 0.9);
+  expansion->reject(0);
+  EXPECT_LT(expansion->first(1)[0].score, 0.3);  // contexts whose bins are not spread leave the other copy at 0.49
 }
 
 TEST(PatchExpansion, IsTheSameOnEveryRun) {

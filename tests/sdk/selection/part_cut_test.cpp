@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numeric>
@@ -125,6 +126,28 @@ TEST(PartCut, CutsAlongTheConformalFactorAtALonePoint) {
   const Loaded loaded(creature.mesh);
   const auto faces = part_of(loaded, {limbs::place(creature.limbs[0], {0.3, 0.5})});
   EXPECT_GT(limbs::overlap(loaded.mesh, faces, creature.beyond(0, 0.3)), 0.95);
+}
+
+TEST(PartCut, TakesADentOrAFlatAndNotAllAroundIt) {
+  Mesh dent = surfaces::icosphere(5);
+  Mesh flat = dent;
+  for (Vector3d& p : dent.positions) p *= 1 - 0.1 * std::exp(-std::pow(std::acos(p.z()) / 0.4, 2));
+  for (Vector3d& p : flat.positions) p *= std::min(1.0, 0.9 / std::max(0.1, p.z()));
+  for (const Mesh& mesh : {dent, flat}) {
+    const Loaded loaded(mesh);
+    std::vector<Vector3d> stroke;
+    for (const double turn : {0.0, 0.5, 1.0, 1.5}) {
+      stroke.emplace_back(std::sin(0.35) * std::cos(turn), std::sin(0.35) * std::sin(turn), std::cos(0.35));
+      if (stroke.size() == 2 || stroke.size() == 3) continue;  // which say too little of where it goes
+      const auto faces = part_of(loaded, stroke);
+      double area = 0;
+      for (const FaceId face : faces) area += area_vector(mesh, face).norm();
+      EXPECT_LT(area, 0.12 * surface_area(mesh)) << stroke.size();
+      EXPECT_TRUE(connected(loaded.surface, faces));
+    }
+    const FaceId middle = loaded.surface.tree.closest({0, 0, 0.9}).face;
+    EXPECT_TRUE(std::ranges::binary_search(part_of(loaded, stroke), middle));
+  }
 }
 
 TEST(PartCut, LeavesOutSmallNoise) {

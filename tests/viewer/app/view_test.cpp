@@ -278,6 +278,24 @@ TEST_F(TheView, HasFewerPixelsOnlyWhileItMovesWhereThatIsSlow) {
   EXPECT_EQ(painter->picture().width(), kWidth);
 }
 
+TEST_F(TheView, IsPaintedWithMoreCareForAPicture) {
+  session.add(model_of(tangle(7)));
+  auto window = ViewPainter::create({.fluent_ms = 1e9}), fresh = ViewPainter::create();
+  ASSERT_TRUE(window && fresh);
+  const auto picture = [&](ViewPainter& painter, bool careful) {
+    const auto done = painter.paint(session, kWidth, kHeight, careful);
+    EXPECT_TRUE(done) << done.error().message;
+    glBindFramebuffer(GL_FRAMEBUFFER, painter.picture().framebuffer());
+    return read_picture(kWidth, kHeight).value().rgb;
+  };
+  const auto standing = picture(*window, false);
+  EXPECT_FALSE(window->rough());
+  const auto careful = picture(*window, true);
+  EXPECT_NE(careful, standing);
+  EXPECT_EQ(careful, picture(*fresh, true));
+  EXPECT_EQ(careful, picture(*window, false)) << "it need not be painted again";
+}
+
 TEST_F(TheView, OfTwoModelsBearsThatTheSidebarTakesOneAway) {
   session.add(model_of(tangle(1)));
   session.add(model_of(tangle(2)));

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "viewer/scene/coarse_mesh.h"
 #include "viewer/session/arguments.h"
-#include "viewer/session/coarse_mesh.h"
 #include "viewer/session/command.h"
 #include "viewer/session/job.h"
 #include "viewer/session/made_once.h"

@@ -63,7 +63,7 @@ void follow(const Session& session, Wanted& wanted) {
 }
 
 void draw_alike(Ui& ui, const Model& model) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   section("What is alike");
   const int by = choice_row("by", static_cast<int>(ui.like_by), {"GLS", "HKS", "WKS", "PSC"});
   if (by >= 0) ui.like_by = static_cast<Likeness>(by);
@@ -100,7 +100,7 @@ void draw_transfer(Ui& ui, const Model& model, Wanted& wanted) {
 
 void draw_edit(Ui& ui, const Model& model) {
   static Wanted wanted;
-  Session& session = ui.session;
+  const Session& session = ui.session;
   section("Edit");
   if (!ImGui::IsAnyItemActive()) follow(session, wanted);
   if (const int where = choice_row("where", wanted.where, {"By the map", "Regions"}); where >= 0) {
@@ -144,7 +144,7 @@ void draw_edit(Ui& ui, const Model& model) {
 }  // namespace
 
 void draw_edit_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const Model& model = *session.models[session.active_model];
   if (!model.mesh) return hint("Meshes can be edited: this is a sphere-mesh. Extract a mesh of it first.");
   if (model.posing) return hint("The mesh is being posed: keep it as a model, or put it back, on the page Spheres.");

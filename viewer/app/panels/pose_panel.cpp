@@ -6,7 +6,7 @@
 namespace armature::viewer {
 
 void draw_pose_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const Model& model = *session.models[session.active_model];
   section("Pose");
   ImGui::BeginDisabled(session.job.running());
@@ -25,7 +25,7 @@ void draw_pose_panel(Ui& ui) {
   ImGui::TextDisabled("%zu held", model.handle.size());
   if (!model.handle.empty() && !session.job.running()) {  // work may be changing the level
     ImGui::SameLine();
-    const bool pinned = model.posing->is_pinned(model.handle.front());
+    const bool pinned = model.pose->pinned[model.handle.front().index()];
     if (small_button(pinned ? "Unpin" : "Pin")) ui.issue("{}", pinned ? "unpin" : "pin");
   }
   if (ImGui::Button("Undo##pose")) ui.issue("undo");

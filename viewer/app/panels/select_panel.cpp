@@ -9,7 +9,7 @@ namespace armature::viewer {
 namespace {
 
 void draw_tools(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const int tool =
       choice_row("tool", static_cast<int>(session.tool), {"Look", "Click", "Cut", "Brush", "Lasso", "Edge"});
   if (tool >= 0) ui.issue("tool {}", kTools[static_cast<std::size_t>(tool)]);
@@ -50,7 +50,7 @@ void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) 
   ImGui::PopID();
 }
 
-void draw_expansion(Ui& ui, Selecting& selecting) {
+void draw_expansion(Ui& ui, const Selecting& selecting) {
   if (!selecting.expansion) {
     if (accent_button("Find what is like it", -1)) ui.issue("expand");
     return;
@@ -72,7 +72,7 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
   ImGui::SameLine();
   if (ImGui::Button("None")) ui.issue("matches 0");
   ImGui::SameLine();
-  if (ImGui::Button("Undo a verdict")) ui.issue("reconsider");
+  if (ImGui::Button("Undo verdict")) ui.issue("reconsider");
   const std::size_t listed = std::min<std::size_t>(static_cast<std::size_t>(shown) + 2, selecting.expansion->size());
   // A verdict changes the list: the rest of it is drawn in the next frame.
   const std::size_t steps = ui.session.log().size();
@@ -81,7 +81,7 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
   for (std::size_t i = 0; i < matches.size() && ui.session.log().size() == steps; ++i)
     draw_match(ui, i + 1, matches[i], i < selecting.shown);
   const auto& rejected = selecting.expansion->rejected();
-  if (rejected.empty() || !ImGui::TreeNode("rejected", "Looked at and left out: %zu", rejected.size())) return;
+  if (rejected.empty() || !ImGui::TreeNode("rejected", "Left out: %zu", rejected.size())) return;
   for (std::size_t i = 0; i < std::min<std::size_t>(rejected.size(), 12); ++i) hint(rejected[i].reason.c_str());
   ImGui::TreePop();
 }
@@ -89,10 +89,10 @@ void draw_expansion(Ui& ui, Selecting& selecting) {
 }  // namespace
 
 void draw_select_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (!session.models[session.active_model]->mesh)
     return hint("Faces of meshes are selected: this is a sphere-mesh. Extract a mesh of it first.");
-  Selecting& selecting = session.models[session.active_model]->selecting;
+  const Selecting& selecting = session.models[session.active_model]->selecting;
   section("Select");
   draw_tools(ui);
   if ((session.tool == Tool::Look || session.tool == Tool::Pose) && selecting.selection.faces().empty() &&

@@ -10,7 +10,7 @@ namespace {
 
 /// Whether mesh and spheres are shown: on the pages of both.
 void draw_shown(Ui& ui, const Model& model) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (model.mesh) {
     const int mesh = choice_row("mesh", static_cast<int>(session.looks.mesh), {"Mesh", "Glass", "Hidden"});
     if (mesh >= 0) ui.issue("mesh {}", kMeshLooks[static_cast<std::size_t>(mesh)]);
@@ -23,7 +23,7 @@ void draw_shown(Ui& ui, const Model& model) {
 }
 
 void draw_looks(Ui& ui, const Model& model) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   section("Shown");
   draw_shown(ui, model);
   if (model.mesh) {
@@ -50,20 +50,30 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
+/// The slider of levels: a level may take a while, and the last one that was wanted wins.
+struct Slide {
+  int wanted = 0;
+  bool active = false, waits = false;
+};
+Slide slide;
+
 void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   if (spheres.hierarchy) {
     // A level is a number of spheres; half of the slider is for the first few hundred.
     const auto least = static_cast<int>(spheres.hierarchy->min_spheres());
     const auto most = static_cast<int>(spheres.hierarchy->leaf_count());
     // Of a posed mesh a level takes a while: it changes once the slider is let go.
-    static int wanted = 0;
-    static bool sliding = false;
-    if (!sliding) wanted = static_cast<int>(posed ? spheres.shape.spheres.size() : spheres.cursor->size());
+    if (!slide.active && !slide.waits)
+      slide.wanted = static_cast<int>(posed ? spheres.shape.spheres.size() : spheres.cursor->size());
     ImGui::SetNextItemWidth(-1);
-    const bool moved = ImGui::SliderInt("##level", &wanted, least, most, "%d spheres",
+    const bool moved = ImGui::SliderInt("##level", &slide.wanted, least, most, "%d spheres",
                                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-    sliding = ImGui::IsItemActive();
-    if (posed ? ImGui::IsItemDeactivatedAfterEdit() : moved) ui.issue("level {}", wanted);
+    slide.active = ImGui::IsItemActive();
+    if (posed ? ImGui::IsItemDeactivatedAfterEdit() : moved) slide.waits = true;
+    if (slide.waits && !ui.session.job.running()) {
+      slide.waits = false;
+      ui.issue("level {}", slide.wanted);
+    }
   }
   ImGui::TextDisabled("%zu spheres, %zu edges, %zu triangles", spheres.shape.spheres.size(), spheres.shape.edges.size(),
                       spheres.shape.triangles.size());
@@ -89,10 +99,10 @@ void draw_shape_panel(Ui& ui) {
 }
 
 void draw_sphere_panel(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   const Model& model = *session.models[session.active_model];
   section("Spheres");
-  const bool busy = session.job.running();
+  const bool busy = session.job.running() && !slide.active;  // what is disabled cannot be dragged on
   ImGui::BeginDisabled(busy);
   if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr, model.posing != nullptr);
   if (model.mesh && model.spheres) draw_shown(ui, model);

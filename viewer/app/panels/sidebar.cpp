@@ -1,6 +1,7 @@
 // The panel on the left: what to do, and the panel for it.
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "viewer/app/theme.h"
 #include "viewer/app/ui.h"
@@ -13,7 +14,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 void draw_models(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
@@ -54,7 +55,7 @@ void draw_panel(Ui& ui) {
 }  // namespace
 
 void draw_sidebar(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({ui.view.at.x, ui.view.size.y});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
@@ -101,7 +102,7 @@ void draw_log(Ui& ui) {
 }
 
 void draw_status_bar(Ui& ui, const Area& area) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImGui::SetNextWindowPos(area.at);
   ImGui::SetNextWindowSize(area.size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
@@ -131,7 +132,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
     ImGui::TextUnformatted(session.notice.c_str());
     ImGui::PopStyleColor();
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
-    if (ImGui::IsItemClicked()) session.notice.clear();
+    if (ImGui::IsItemClicked()) ui.tell("");
   } else {
     if (session.preparing.running()) draw_progress(session.preparing);
     static constexpr std::array<const char*, 8> kHints = {
@@ -150,9 +151,36 @@ void draw_status_bar(Ui& ui, const Area& area) {
   ImGui::End();
 }
 
-/// The numbers of the list's matches, where they are.
+namespace {
+
+/// Where a match is seen, as near to its middle as can be; nothing where something else hides it.
+std::optional<ViewPoint> place_of(const Session& session, const sdk::Mesh& mesh, const sdk::Match& match) {
+  constexpr std::size_t kLooks = 24;
+  const auto middle_of = [&](sdk::FaceId face) -> Eigen::Vector3d {
+    return (mesh.corner(face, 0) + mesh.corner(face, 1) + mesh.corner(face, 2)) / 3;
+  };
+  const std::size_t step = std::max<std::size_t>(1, match.faces.size() / kLooks);
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  std::vector<ViewPoint> looks;
+  for (std::size_t i = 0; i < match.faces.size(); i += step) {
+    const Eigen::Vector3d point = middle_of(match.faces[i]);
+    middle += point;
+    looks.push_back(session.camera.project(point));
+  }
+  const ViewPoint centre = session.camera.project(middle / static_cast<double>(looks.size()));
+  looks.push_back(centre);
+  std::optional<ViewPoint> best;
+  for (const ViewPoint& at : looks) {
+    if (best && (*best - centre).norm() <= (at - centre).norm()) continue;
+    const auto seen = session.pick(at);
+    if (seen && std::ranges::binary_search(match.faces, seen->face)) best = at;
+  }
+  return best;
+}
+
+/// The numbers of the list's matches, where they are seen.
 void draw_match_numbers(Ui& ui, ImDrawList& draw) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   if (session.mode != Mode::Shapes || session.models.empty()) return;
   const Model& model = *session.models[session.active_model];
   const auto& selecting = model.selecting;
@@ -161,25 +189,22 @@ void draw_match_numbers(Ui& ui, ImDrawList& draw) {
   std::size_t place = 0;
   for (const sdk::Match& match : selecting.expansion->first(std::min(selecting.shown, kMost))) {
     const std::string number = std::to_string(++place);
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const sdk::FaceId face : match.faces) middle += model.mesh->mesh.corner(face, 0);
-    const ViewPoint at = session.camera.project(middle / static_cast<double>(match.faces.size()));
+    const auto at = place_of(session, model.mesh->mesh, match);
+    if (!at) continue;
     const float half = ui.view.size.y / 2;
-    const ImVec2 centre(ui.view.at.x + ui.view.size.x / 2 + half * static_cast<float>(at.x()),
-                        ui.view.at.y + half * (1 - static_cast<float>(at.y())));
+    const ImVec2 centre(ui.view.at.x + ui.view.size.x / 2 + half * static_cast<float>(at->x()),
+                        ui.view.at.y + half * (1 - static_cast<float>(at->y())));
     if (!ui.view.holds(centre)) continue;
-    // What lies behind something else has a number without a disc.
-    const auto seen = session.pick(at);
-    const bool hidden = !seen || !std::ranges::binary_search(match.faces, seen->face);
     const ImVec2 size = ImGui::CalcTextSize(number.c_str());
-    if (!hidden) draw.AddCircleFilled(centre, ui.px(11), theme::kVeil);
-    const ImU32 colour = hidden ? theme::kFaint : theme::kInk;
-    draw.AddText({centre.x - size.x / 2, centre.y - size.y / 2}, colour, number.c_str());
+    draw.AddCircleFilled(centre, ui.px(11), theme::kVeil);
+    draw.AddText({centre.x - size.x / 2, centre.y - size.y / 2}, theme::kInk, number.c_str());
   }
 }
 
+}  // namespace
+
 void draw_view_hints(Ui& ui) {
-  Session& session = ui.session;
+  const Session& session = ui.session;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   if (session.mode == Mode::Shapes && session.models.empty() && !session.job.running()) {
     const char* lines[] = {"Open a model, or drop one here", "or choose Walk to go through a city"};

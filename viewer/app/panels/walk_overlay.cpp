@@ -127,7 +127,9 @@ void draw_speeds(Ui& ui, ImDrawList& draw, const Area& area) {
   draw_card(draw, area, ui.px(8));
   const navproto::Velocity& v = walk.velocity();
   const std::array<std::pair<std::string, const char*>, 2> values = {
-      {{fmt::format("{:.1f} m/s", v.linear_m_s), v.linear_m_s < -0.005 ? "backward" : "forward"},
+      {{fmt::format("{:.1f} m/s", v.linear_m_s), v.linear_m_s < -0.005  ? "backward"
+                                                 : v.linear_m_s > 0.005 ? "forward"
+                                                                        : "standing"},
        {fmt::format("{:.0f}°/s", std::abs(v.angular_rad_s) * 57.2958), v.angular_rad_s > 0.005    ? "to the left"
                                                                        : v.angular_rad_s < -0.005 ? "to the right"
                                                                                                   : "straight on"}}};

@@ -3,8 +3,8 @@
 
 #include <armature/sdk/expansion/patch_map.h>
 
-#include "viewer/render/scene.h"
-#include "viewer/render/shading.h"
+#include "viewer/scene/scene.h"
+#include "viewer/scene/shading.h"
 #include "viewer/session/command.h"
 #include "viewer/session/session.h"
 

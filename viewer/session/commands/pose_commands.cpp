@@ -37,10 +37,12 @@ Done pose(Session& session, Arguments& arguments) {
                  model = *found](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto posing = Posing::begin(model->mesh, model->spheres->hierarchy, spheres, task);
                   if (!posing) return tl::unexpected(posing.error());
-                  return Job::Apply([&session, model, posing = *posing] {
+                  auto laid = (*posing)->lies();
+                  if (!laid) return tl::unexpected(laid.error());
+                  return Job::Apply([&session, model, posing = *posing, pose = std::move(*laid)] {
                     model->posing = posing;
                     model->handle.clear();
-                    model->take_pose();
+                    model->lay(pose);
                     session.tool = Tool::Pose;
                     session.panel = Panel::Spheres;
                     session.looks.mesh = MeshLook::Glass;
@@ -54,11 +56,10 @@ Done handle(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   std::vector<sdk::SphereId> spheres;
-  while (arguments.left() > 0 && spheres.size() <= (*model)->posing->level())
-    spheres.emplace_back(arguments.count("sphere", 0, (*model)->posing->level() - 1));
+  const std::size_t level = (*model)->pose->shape.spheres.size();
+  while (arguments.left() > 0 && spheres.size() <= level) spheres.emplace_back(arguments.count("sphere", 0, level - 1));
   if (auto checked = arguments.check(); !checked) return checked;
-  if (auto checked = sdk::check({.spheres = spheres}, (*model)->posing->level()); !checked && !spheres.empty())
-    return checked;
+  if (auto checked = sdk::check({.spheres = spheres}, level); !checked && !spheres.empty()) return checked;
   (*model)->handle = std::move(spheres);
   return {};
 }
@@ -70,9 +71,8 @@ Done moved(Session& session, Arguments& arguments, sdk::SphereMove move) {
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   move.spheres = (*model)->handle;
-  if (auto done = (*model)->posing->move(move); !done) return done;
-  (*model)->take_pose();
-  return {};
+  if (auto checked = sdk::check(move, (*model)->pose->shape.spheres.size()); !checked) return checked;
+  return lay(session, "moving what is held", [move](Posing& posing) { return posing.move(move); });
 }
 
 Done translate(Session& session, Arguments& arguments) {
@@ -103,7 +103,8 @@ Done pin(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
-  return (*model)->posing->pin((*model)->handle, Pinned);
+  return lay(session, Pinned ? "pinning what is held" : "letting it move",
+             [held = (*model)->handle](Posing& posing) { return posing.pin(held, Pinned); });
 }
 
 Done save_pose(Session& session, Arguments& arguments) {
@@ -111,8 +112,11 @@ Done save_pose(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
-  if (auto written = write_text(file, (*model)->posing->text()); !written) return written;
-  session.tell("wrote " + file);
+  session.start("writing " + file, [&session, file, posing = (*model)->posing](const sdk::Task&) {
+    return write_text(file, posing->text()).map([&] {
+      return Job::Apply([&session, file] { session.tell("wrote " + file); });
+    });
+  });
   return {};
 }
 
@@ -125,20 +129,8 @@ Done replay_pose(Session& session, Arguments& arguments) {
   if (!in || !std::filesystem::is_regular_file(file, none))
     return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  session.start(
-      "posing as " + file,
-      [file, text = std::move(text),
-       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-        const auto done = model->posing->replay(text, file);
-        const std::optional<sdk::Error> wrong = done ? std::nullopt : std::optional(done.error());
-        if (wrong) return tl::unexpected(*wrong);
-        return Job::Apply([model] {
-          model->handle.clear();
-          model->take_pose();
-        });
-      },
-      true);
-  return {};
+  return lay(
+      session, "posing as " + file, [file, text](Posing& posing) { return posing.replay(text, file); }, true);
 }
 
 Done bake(Session& session, Arguments& arguments) {
@@ -147,10 +139,10 @@ Done bake(Session& session, Arguments& arguments) {
   if (!active) return tl::unexpected(active.error());
   session.start(
       "making a mesh of the pose",
-      [&session, mesh = (*active)->posed, name = (*active)->name](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+      [&session, pose = (*active)->pose, name = (*active)->name](const sdk::Task&) -> sdk::Expected<Job::Apply> {
         auto model = std::make_shared<Model>();
         model->name = name + " posed";
-        model->mesh = std::make_shared<const MeshShape>(mesh);
+        model->mesh = std::make_shared<const MeshShape>(pose->mesh);
         return Job::Apply([&session, model] {
           const OrbitCamera camera = session.camera;
           session.tool = Tool::Look;
@@ -166,13 +158,23 @@ Done unpose(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
-  (*model)->posing.reset();
-  (*model)->posed = {};
-  (*model)->handle.clear();
-  (*model)->go_to((*model)->spheres->cursor->size());
-  ++(*model)->mesh_revision;
-  session.tool = Tool::Look;
-  session.looks.mesh = MeshLook::Solid;
+  session.start(
+      "putting the mesh back",
+      [&session, model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+        const sdk::LevelCursor& cursor = *model->spheres->cursor;
+        auto level = std::make_shared<Level>(make_level(cursor, cursor.size()));
+        return Job::Apply([&session, model, level] {
+          // A factorisation of a large mesh takes a while to go, too.
+          session.discard({std::exchange(model->posing, nullptr), std::exchange(model->pose, nullptr)});
+          model->previewed.reset();
+          model->handle.clear();
+          model->go_to(*level);
+          session.discard(level);
+          ++model->mesh_revision;
+          session.tool = Tool::Look;
+          session.looks.mesh = MeshLook::Solid;
+        });
+      });
   return {};
 }
 

@@ -76,7 +76,7 @@ Done report(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   for (const auto& [name, value] : session.report()) fmt::print("{} {}\n", name, value);
   std::fflush(stdout);
-  session.longest_frame = {};
+  session.longest_frame = session.longest_work = {};
   return {};
 }
 

@@ -317,16 +317,13 @@ Done clear(Session& session, Arguments& arguments) {
   return {};
 }
 
-template <bool (sdk::Selection::*Step)(), bool (Posing::*PoseStep)()>
+template <bool (sdk::Selection::*Step)(), Posing::Laid (Posing::*PoseStep)()>
 Done step(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = session.active_mesh();
   if (!model) return tl::unexpected(model.error());
   if ((*model)->posing && session.tool == Tool::Pose) {
-    if (!((*model)->posing.get()->*PoseStep)()) return sdk::fail("there is nothing left to go to");
-    (*model)->handle.clear();
-    (*model)->take_pose();
-    return {};
+    return lay(session, "taking a step back or forward", PoseStep, true);
   }
   if (!((*model)->selecting.selection.*Step)()) return sdk::fail("there is nothing left to go to");
   forget_reference(**model);

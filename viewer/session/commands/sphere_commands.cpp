@@ -16,6 +16,9 @@ namespace {
 
 using Done = sdk::Expected<void>;
 
+/// Levels of fewer spheres are reached and drawn in no time.
+constexpr std::size_t kLiveSpheres = 10'000;
+
 Done build(Session& session, Arguments& arguments) {
   const double importance = arguments.left() > 0 ? arguments.number("importance", 0, 10) : 0;
   if (auto checked = arguments.check(); !checked) return checked;
@@ -78,23 +81,30 @@ Done level(Session& session, Arguments& arguments) {
   const sdk::Hierarchy& hierarchy = *(*model)->spheres->hierarchy;
   const std::size_t spheres = arguments.count("spheres", hierarchy.min_spheres(), hierarchy.leaf_count());
   if (auto checked = arguments.check(); !checked) return checked;
-  if ((*model)->posing) {
-    session.start(
-        "changing the level",
-        [spheres, model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-          if (auto gone = model->posing->go_to(spheres); !gone) return tl::unexpected(gone.error());
-          return Job::Apply([model] {
-            model->handle.clear();
-            model->take_pose();
-          });
-        },
-        true);
+  if ((*model)->posing)
+    return lay(
+        session, kLevelTitle, [spheres](Posing& posing) { return posing.go_to(spheres); }, true);
+  std::vector<std::shared_ptr<Model>> slides = {session.models[session.active_model]};
+  if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy && !other->posing)
+    slides.push_back(session.models[session.beside - 1]);
+  const auto level_in = [spheres](const Model& of) {
+    return std::clamp(spheres, of.spheres->hierarchy->min_spheres(), of.spheres->hierarchy->leaf_count());
+  };
+  if (std::max(spheres, (*model)->spheres->cursor->size()) <= kLiveSpheres) {
+    for (const auto& slid : slides) slid->go_to(level_in(*slid));
     return {};
   }
-  (*model)->go_to(spheres);
-  if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy && !other->posing)
-    other->go_to(
-        std::clamp(spheres, other->spheres->hierarchy->min_spheres(), other->spheres->hierarchy->leaf_count()));
+  session.start(kLevelTitle, [&session, slides, level_in](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+    auto levels = std::make_shared<std::vector<Level>>();
+    for (const auto& slid : slides) {
+      levels->push_back(make_level(*slid->spheres->cursor, level_in(*slid)));
+      if (task.stopped()) return tl::unexpected(sdk::cancelled().value());
+    }
+    return Job::Apply([&session, slides, levels] {
+      for (std::size_t i = 0; i < slides.size(); ++i) slides[i]->go_to((*levels)[i]);
+      session.discard(levels);
+    });
+  });
   return {};
 }
 

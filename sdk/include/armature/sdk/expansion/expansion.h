@@ -22,7 +22,7 @@ struct Match {
   std::string reason = {};  ///< why it is thought alike; one line, for people
 };
 
-/// What was looked at and is no match.
+/// What might have been a match and is none.
 struct Rejected {
   FaceId face = {};         ///< in its middle
   std::string reason = {};  ///< why not; one line, for people

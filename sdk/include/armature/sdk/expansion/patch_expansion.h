@@ -13,7 +13,8 @@ namespace armature::sdk {
 
 /// What counts as like a patch.
 struct PatchExpansionOptions {
-  std::size_t most = 64;             ///< candidates that are looked at: the likeliest by contexts
+  /// Candidates that are looked at: the likeliest by contexts. The other places are said to be rejected for that.
+  std::size_t most = 64;
   std::vector<double> scales = {1};  ///< sizes that are looked for, against the reference; each between 1/8 and 8
   bool mirrored = true;              ///< whether mirror images count
 };
@@ -22,7 +23,7 @@ struct PatchExpansionOptions {
 struct PatchExpansionTimes {
   double map_ms = 0;                ///< similarity maps
   double learn_ms = 0;              ///< what is asked about the reference once
-  double matches_ms = 0;            ///< registration and extent of all candidates
+  double matches_ms = 0;            ///< laying the patch onto all candidates, and their extents
   double matches_processor_ms = 0;  ///< the same as processor time of the whole process, on all cores together
   std::size_t candidates = 0;       ///< how many were looked at
 };

@@ -42,7 +42,8 @@ class PatchContexts {
   [[nodiscard]] Histogram of(VertexId vertex) const;
   /// The similarity map: 1 - chi-square between every vertex's context and another, by VertexId, in [0, 1]; 0 for a
   /// vertex on no face. Before that every bin is spread over its neighbours by 1/4, 1/2, 1/4 in either direction, since
-  /// noise carries points over the edges of bins. Takes time in proportion to the vertices in all balls.
+  /// noise carries points over the edges of bins. Takes time in proportion to the vertices in all balls. Refused for a
+  /// context that is not of kDistances x kAngles bins.
   [[nodiscard]] Expected<std::vector<float>> similarity_to(std::span<const float> context, const Task& task = {}) const;
 
  private:

@@ -17,7 +17,8 @@ namespace armature::sdk {
 /// A part of a surface that is cut off by strokes along the cut (thesis, section 5.3.2, after Zheng and Tai 2010).
 ///
 /// Each stroke point sets two constraints, one on either side of the stroke; the harmonic field between them has an
-/// isoline that makes the best cut. Of its two sides the one that protrudes is the part, however the stroke was drawn.
+/// isoline that makes the best cut. Of its two sides the one that protrudes is the part, however the stroke was drawn;
+/// but nothing of more than nine tenths of its component's area is one, so that a dent can be cut off, too.
 /// More strokes refine the same cut. It holds a factor of its own, which follows every point. The model must outlive
 /// it. Thread-safe: no.
 class PartCut {

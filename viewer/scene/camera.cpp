@@ -1,4 +1,4 @@
-#include "viewer/render/camera.h"
+#include "viewer/scene/camera.h"
 
 #include <algorithm>
 #include <cmath>

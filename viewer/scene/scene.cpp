@@ -1,11 +1,11 @@
-#include "viewer/render/scene.h"
+#include "viewer/scene/scene.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include "viewer/render/shading.h"
+#include "viewer/scene/shading.h"
 
 namespace armature::viewer {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/render/shading.h"
+#include "viewer/scene/shading.h"
 
 #include <cmath>
 

@@ -10,7 +10,7 @@
 #include <armature/sdk/spheremesh/sphere_mesh.h>
 #include <armature/sdk/spheremesh/sphere_triangle.h>
 
-#include "viewer/render/palette.h"
+#include "viewer/scene/palette.h"
 
 namespace armature::viewer {
 

@@ -1,4 +1,4 @@
-#include "viewer/session/coarse_mesh.h"
+#include "viewer/scene/coarse_mesh.h"
 
 #include <algorithm>
 #include <array>
