@@ -104,7 +104,6 @@ class Decimation {
     Fit fit = {};
     CollapseComplex::Pair slots = {};  // where one before it in the step may change it: its ends
     bool touches = false;              // so
-    bool fitted = true;                // else it was looked at, and its fit is not known yet
   };
   /// What a step leaves to the next.
   struct Left {
@@ -159,15 +158,12 @@ class Decimation {
   [[nodiscard]] std::uint64_t entry(std::uint32_t edge) const noexcept {
     return CollapseQueue::entry(complex_.key(edge), edge);
   }
-  /// The cheapest collapse that may be done, unless its key is above `most`; false if there is none. One that is only
-  /// looked at is fitted where that tells its cost, else not before it is chosen.
-  bool take(std::uint32_t most, Ready& ready, bool look = false);
-  /// Fits a collapse that was looked at; false if it may not be done now.
-  [[nodiscard]] bool settle(Ready& ready);
+  /// The cheapest collapse that may be done, unless its key is above `most`; false if there is none.
+  bool take(std::uint32_t most, Ready& ready);
   /// Fills `ready_` with the cheapest collapse and those that are done with it, at most so many.
   bool take_similar(std::uint32_t most);
   /// Appends the group of the cheapest collapse, unless its key is above `most`; false if there is none.
-  bool take_group(std::uint32_t most, bool look = false);
+  bool take_group(std::uint32_t most);
   /// The edge that something left is now; kNoIndex if its ends are one.
   [[nodiscard]] std::uint32_t edge_of(const Left& left);
   /// Appends what the last step left to do, as far as it is independent; false if there is none.
@@ -185,10 +181,9 @@ class Decimation {
   }
   /// Appends to `ready_` the collapses of all edges between slots of two kinds, but one edge; whether each of those
   /// slots has one.
-  bool gather(std::uint64_t a, std::uint64_t b, std::uint32_t but, bool look);
-  /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done. Looks as take()
-  /// does.
-  bool evaluate(std::uint32_t edge, Ready& ready, bool look = false);
+  bool gather(std::uint64_t a, std::uint64_t b, std::uint32_t but);
+  /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done.
+  bool evaluate(std::uint32_t edge, Ready& ready);
   /// Closes the group that begins at a place of `ready_`.
   void close_group(std::size_t first, bool touches);
   /// The key of what members cost that share ends: of making one of all that they join.
@@ -209,8 +204,6 @@ class Decimation {
     complex_.note(edge) &= static_cast<std::uint8_t>(~kWaits);
     queue_.push(entry(edge));
   }
-  /// Whether a collapse turns a triangle over that had not been said to: its key says so from now on.
-  [[nodiscard]] bool turns_over(Ready& ready) noexcept;
   [[nodiscard]] bool flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to) const noexcept;
 
   Metric& metric_;
@@ -262,7 +255,7 @@ void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
 }
 
 template <class Metric>
-bool Decimation<Metric>::take(std::uint32_t most, Ready& ready, bool look) {
+bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
   while (!queue_.empty()) {
     const std::uint32_t edge = CollapseQueue::edge_of(queue_.top());
     const std::uint32_t key = CollapseQueue::key_of(queue_.top());
@@ -278,8 +271,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready, bool look) {
     if (key > most) return false;
     const auto [a, b] = complex_.edge(edge);
     ready.edge = edge;
-    ready.fitted = !look || (complex_.note(edge) & kStale) != 0;
-    if (ready.fitted) ready.fit = metric_.fit(a, b);
+    ready.fit = metric_.fit(a, b);
     if ((complex_.note(edge) & kStale) != 0) {
       complex_.note(edge) &= static_cast<std::uint8_t>(~kStale);
       complex_.key(edge) = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
@@ -295,7 +287,9 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready, bool look) {
       queue_.pop();
       continue;
     }
-    if (ready.fitted && turns_over(ready)) {
+    if (options_.penalise_flips && (complex_.key(edge) & kPenalty) == 0 &&
+        flips(a, b, metric_.position(a) + ready.fit.centre())) {
+      complex_.key(edge) |= kPenalty;
       queue_.replace_top(entry(edge));
       continue;
     }
@@ -303,15 +297,6 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready, bool look) {
     return true;
   }
   return false;
-}
-
-template <class Metric>
-bool Decimation<Metric>::turns_over(Ready& ready) noexcept {
-  if (!options_.penalise_flips || (complex_.key(ready.edge) & kPenalty) != 0) return false;
-  const auto [a, b] = complex_.edge(ready.edge);
-  if (!flips(a, b, metric_.position(a) + ready.fit.centre())) return false;
-  complex_.key(ready.edge) |= kPenalty;
-  return true;
 }
 
 template <class Metric>

@@ -23,17 +23,10 @@ void Decimation<Metric>::Marks::around(const CollapseComplex& complex, std::uint
 }
 
 template <class Metric>
-bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready, bool look) {
+bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready) {
   const auto [a, b] = complex_.edge(edge);
   if (!options_.labels.empty() && options_.labels[a] != options_.labels[b]) return false;
-  if (look && (complex_.note(edge) & kStale) == 0) {
-    ready.edge = edge;
-    ready.fitted = false;
-    return (complex_.key(edge) & ~kPenalty) < kForbidden && (!options_.keep_topology || complex_.keeps_topology(edge));
-  }
-  ready.edge = edge;
-  ready.fit = metric_.fit(a, b);
-  ready.fitted = true;
+  ready = {.edge = edge, .fit = metric_.fit(a, b)};
   std::uint32_t key = complex_.key(edge) & ~kPenalty;
   if ((complex_.note(edge) & kStale) != 0) {
     complex_.note(edge) &= static_cast<std::uint8_t>(~kStale);
@@ -49,18 +42,7 @@ bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready, bool look) {
 }
 
 template <class Metric>
-bool Decimation<Metric>::settle(Ready& ready) {
-  if (ready.fitted) return true;
-  const auto [a, b] = complex_.edge(ready.edge);
-  ready.fit = metric_.fit(a, b);
-  ready.fitted = true;
-  if (!turns_over(ready)) return true;
-  if ((complex_.note(ready.edge) & kOut) == 0) queue_.push(entry(ready.edge));
-  return false;
-}
-
-template <class Metric>
-bool Decimation<Metric>::gather(std::uint64_t a, std::uint64_t b, std::uint32_t but, bool look) {
+bool Decimation<Metric>::gather(std::uint64_t a, std::uint64_t b, std::uint32_t but) {
   bool whole = true;
   std::size_t ends = 0;  // of kind b
   for (const auto slot : similar_->slots_of(a)) {
@@ -71,7 +53,7 @@ bool Decimation<Metric>::gather(std::uint64_t a, std::uint64_t b, std::uint32_t 
       if (similar_->kind(other) != b || (a == b && other < slot)) continue;
       joined = true;
       Ready& ready = ready_.emplace_back();
-      if (edge == but || !evaluate(edge, ready, look)) {
+      if (edge == but || !evaluate(edge, ready)) {
         whole = whole && edge == but;
         ready_.pop_back();
       }
@@ -141,15 +123,15 @@ bool Decimation<Metric>::renew(Ready& ready) {
 }
 
 template <class Metric>
-bool Decimation<Metric>::take_group(std::uint32_t most, bool look) {
+bool Decimation<Metric>::take_group(std::uint32_t most) {
   const std::size_t first = ready_.size();
   Ready ready;
-  while (take(most, ready, look)) {
+  while (take(most, ready)) {
     ready_.push_back(ready);
     const auto [a, b] = complex_.edge(ready.edge);
     const auto kind_a = similar_->kind(a);
     const auto kind_b = similar_->kind(b);
-    bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge, look);
+    bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge);
     const auto members = std::span(ready_).subspan(first);
     bool touches = whole && members.size() > 1 && !apart(members);
     const std::uint32_t joint = touches ? joint_key(members) : 0;
@@ -259,8 +241,8 @@ template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
   if (members.size() > most || (!group.touches && !apart(members))) return;
-  for (Ready& member : members)
-    if (!independent(member.edge) || !settle(member)) return;
+  for (const Ready& member : members)
+    if (!independent(member.edge)) return;
   for (const Ready& member : members) reserved_.around(complex_, member.edge);
   most -= static_cast<std::uint32_t>(group.count);
   group.chosen = true;
@@ -286,7 +268,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   const std::size_t looks = similar_->begin(a, b);
   dissimilarities_.clear();
-  while (groups_.size() <= looks && take_group(dear, true)) {
+  while (groups_.size() <= looks && take_group(dear)) {
     Group& group = groups_.back();
     const auto [u, v] = complex_.edge(ready_[group.first].edge);
     group.dissimilarity = independent(ready_[group.first].edge) ? similar_->dissimilarity(u, v) : kUnlike;
