@@ -17,7 +17,7 @@ namespace armature::sdk {
 enum class Volume : std::uint8_t {
   Free,
   KeptByTurns,  ///< kept where spheres only turn
-  Kept,         ///< kept unless radii swell: for motions that are several turns, one after the other
+  Kept,         ///< kept unless spheres scale or swell: for motions that are several turns, one after the other
 };
 
 class KeptVolume;
