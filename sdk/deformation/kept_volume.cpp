@@ -25,7 +25,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMostOfRadius = 0.5;  // that the surface moves
+constexpr double kMostOfRadius = 0.75;  // that the surface moves
 constexpr int kRounds = 8;             // of Newton's method
 constexpr std::size_t kGrain = 4096;   // quads that are summed in order, or vertices
 constexpr std::size_t kAhead = 20;     // quads
