@@ -230,6 +230,7 @@ TEST_F(HostilePeer, WhoComesOnceTooOftenIsSentAwayAndNobodyElse) {
 
 TEST_F(HostilePeer, WhoNeverShakesHandsIsSentAway) {
   std::vector<int> silent;
+  silent.reserve(kSiblings.size());
   for (const char* sibling : kSiblings) silent.push_back(connected_to(path(sibling)));
   for (const int peer : silent) {
     std::array<char, 64> heard{};
@@ -271,6 +272,7 @@ TEST(HostilePeers, OfOneAddressLeaveRoomForThoseOfOthers) {
   auto bound = publisher_over_tcp();
   if (!bound) GTEST_SKIP() << "no free TCP ports";
   std::vector<RawPeer> peers;
+  peers.reserve(60);
   for (int i = 0; i < 60; ++i) peers.emplace_back(connected_from(2, bound->uri), "SUB");
   EXPECT_EQ(std::ranges::count_if(peers, &RawPeer::is_in), 48);
   NavSubscriber honest(bound->uri);
