@@ -179,7 +179,9 @@ Expected<void> Entrance::open(const std::string& endpoint, std::span<Socket* con
   std::filesystem::path folder = local ? std::filesystem::path(endpoint.substr(kIpc.size())).parent_path() : "";
   if (folder.empty()) folder = local && !endpoint.starts_with("ipc://@") ? "." : "/tmp";
 
-  Listener& listener = listeners_.emplace_back();
+  // Ours alone until it is complete.
+  std::list<Listener> opened(1);
+  Listener& listener = opened.front();
   listener.listener = &listener;
   listener.lock = *std::move(lock);
   listener.descriptor = *std::move(bound);
@@ -190,6 +192,7 @@ Expected<void> Entrance::open(const std::string& endpoint, std::span<Socket* con
     if (!name) return tl::unexpected(name.error());
     listener.sockets.push_back(*std::move(name));
   }
+  listeners_.splice(listeners_.end(), opened);
   epoll_event event{.events = EPOLLIN, .data = {.ptr = static_cast<Watched*>(&listener)}};
   if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, listener.descriptor.get(), &event) != 0) return refuse(endpoint, errno);
   return {};
