@@ -26,10 +26,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMostOfRadius = 0.75;  // that the surface moves
-constexpr int kRounds = 8;             // of Newton's method
-constexpr std::size_t kGrain = 4096;   // quads that are summed in order, or vertices
-constexpr std::size_t kAhead = 20;     // quads
-constexpr std::size_t kLookedAt = 8;   // faces on a side: on one of a hostile mesh there may be all of them
+constexpr int kRounds = 8;              // of Newton's method
+constexpr std::size_t kGrain = 4096;    // quads that are summed in order, or vertices
+constexpr std::size_t kAhead = 20;      // quads
+constexpr std::size_t kLookedAt = 8;    // faces on a side: on one of a hostile mesh there may be all of them
 
 /// SplitMix64's finaliser: edges become numbers that no few of them add up to zero by chance.
 std::uint64_t mixed(std::uint64_t x) {
