@@ -42,8 +42,8 @@ class SkinnedLevel {
   /// With dual quaternions and a volume to keep, a closed mesh has the volume afterwards that it had, as far as that
   /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most three
   /// quarters of the spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays.
-  /// `Volume::KeptByTurns` does so where spheres `only_turn()`; what shifts, screws, stretches or swells means to change
-  /// the volume.
+  /// `Volume::KeptByTurns` does so where spheres `only_turn()`; what shifts, screws, stretches or swells means to
+  /// change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
             Volume volume = Volume::Free);
 
