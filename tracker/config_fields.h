@@ -66,7 +66,8 @@ void visit_config(Config& c, Visitor& v) {
   v.number("half_width_m", engagement.half_width_m, 0.2F, 10.0F, "to either side");
   v.number("place_radius_m", engagement.place_radius_m, 0.3F, 10.0F,
            "whoever steers and moves farther from where she stood still has left");
-  v.angle("facing_deg", engagement.facing_rad, 10.0F, 90.0F, "whose shoulders are turned farther cannot take over");
+  v.angle("facing_deg", engagement.facing_rad, 40.0F, 90.0F,
+          "whose shoulders look as narrow as if turned farther cannot take over");
   v.seconds("lost_timeout_s", engagement.lost_timeout, 0.0F, 60.0F,
             "a user who has left or is out of sight for longer has to stand still again");
 

@@ -138,7 +138,9 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
 
   const RestEstimator& rest = s.navigator.rest();
   const bool rest_was_known = rest.rest().has_value();
-  const bool facing = out.tracking && s.engagement.faces_sensor(out.skeleton);
+  // Who stands sideways may look narrow to the votes alone: corrections know people from the front only.
+  const bool facing =
+      out.tracking && s.engagement.faces_sensor(out.skeleton) && s.engagement.faces_sensor(s.joints.voted());
   if (out.tracking && (facing || rest_was_known)) {
     s.navigator.measure(out.skeleton, segmentation.up, time);
   } else if (!rest_was_known) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include <armature/navproto/codec.h>
 #include <armature/navproto/control.h>
@@ -10,6 +9,7 @@
 #include "navproto/src/entrance.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
+#include "navproto/src/transport.h"
 #include "navproto/src/wire.h"
 
 namespace armature::navproto {
@@ -74,16 +74,19 @@ struct ControlServer::Impl {
 Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlServerOptions options) {
   const auto endpoints = endpoints_of(endpoint);
   if (!endpoints) return tl::unexpected(endpoints.error());
-  if (!endpoints->control.starts_with("ipc:") && !options.allow_tcp) {
+  if (!endpoints->control.starts_with(kIpc) && !options.allow_tcp) {
     return fail("control " + endpoints->control + ": only ipc:// unless tcp is allowed expressly");
   }
   auto impl = std::make_unique<Impl>();
   for (Socket& socket : impl->sockets) socket.set(ZMQ_LINGER, 250).set(ZMQ_RCVHWM, kQueue).set(ZMQ_SNDHWM, kQueue);
-  const auto may_change = [allowed = std::move(options.allowed_uids)](std::optional<uid_t> uid) -> std::size_t {
-    if (!uid) return 1;  // tcp was allowed expressly
-    return *uid == 0 || *uid == ::geteuid() || std::ranges::count(allowed, *uid) > 0 ? 1 : 0;
+  const auto may_change = [allowed = std::move(options.allowed_uids)](uid_t user) -> std::size_t {
+    return user == 0 || user == ::geteuid() || std::ranges::count(allowed, user) > 0 ? 1 : 0;
   };
-  auto bound = impl->entrance.open(endpoints->control, std::array{&impl->sockets[0], &impl->sockets[1]}, may_change);
+  auto& [asking, changing] = impl->sockets;
+  // Whoever comes over tcp may change things: that was allowed expressly.
+  auto bound = endpoints->control.starts_with(kIpc)
+                   ? impl->entrance.open(endpoints->control, std::array{&asking, &changing}, may_change)
+                   : impl->entrance.open(endpoints->control, changing);
   if (!bound) return tl::unexpected(bound.error());
   return ControlServer(std::move(impl));
 }

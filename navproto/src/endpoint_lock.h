@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
-#include <string_view>
+#include <utility>
 
 #include <armature/navproto/error.h>
+
+#include "navproto/src/descriptor.h"
 
 namespace armature::navproto {
 
@@ -19,13 +21,13 @@ class EndpointLock {
 
   EndpointLock() = default;
   ~EndpointLock();
-  EndpointLock(EndpointLock&& other) noexcept;
+  EndpointLock(EndpointLock&& other) noexcept = default;
   EndpointLock& operator=(EndpointLock&& other) noexcept;
 
  private:
-  EndpointLock(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
-  int descriptor_ = -1;
-  std::string path_;  // of the socket; empty where no file is ours
+  EndpointLock(Descriptor descriptor, std::string path) : descriptor_(std::move(descriptor)), path_(std::move(path)) {}
+  Descriptor descriptor_;
+  std::string path_;  // of the socket
 };
 
 }  // namespace armature::navproto

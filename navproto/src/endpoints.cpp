@@ -1,13 +1,12 @@
 #include <charconv>
 
 #include <armature/navproto/endpoints.h>
-#include <sys/un.h>
+
+#include "navproto/src/transport.h"
 
 namespace armature::navproto {
 namespace {
 
-constexpr std::string_view kIpc = "ipc://";
-constexpr std::string_view kTcp = "tcp://";
 constexpr unsigned kLastPort = 65535;
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -14,7 +13,8 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
+
+#include "navproto/src/transport.h"
 
 namespace armature::navproto {
 namespace {
@@ -22,32 +22,11 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr std::string_view kIpc = "ipc://";
-constexpr std::string_view kTcp = "tcp://";
 constexpr int kBacklog = 128;
 constexpr std::size_t kBufferBytes = 16'384;
 constexpr milliseconds kLastWords{250};
+constexpr milliseconds kShakingHands{3000};
 constexpr milliseconds kUntilDescriptorsMayBeFree{10};
-
-struct LocalAddress {
-  sockaddr_un address{};
-  socklen_t size = 0;
-  /// Of a path, or of an abstract name that begins with '@' and is of its own length.
-  explicit LocalAddress(std::string_view path) {
-    address.sun_family = AF_UNIX;
-    const std::size_t length = std::min(path.size(), sizeof address.sun_path - 1);
-    std::memcpy(address.sun_path, path.data(), length);
-    size = sizeof address;
-    if (!path.starts_with('@')) return;
-    address.sun_path[0] = '\0';
-    size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
-  }
-  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
-};
-
-Descriptor stream_socket(int family) {
-  return Descriptor(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-}
 
 /// A way to something open, by which it has a short path and is found whatever its name has become.
 std::string path_to(const Descriptor& descriptor) {
@@ -55,19 +34,23 @@ std::string path_to(const Descriptor& descriptor) {
 }
 
 /// Binds a socket to a file that is gone before anybody could have connected to it; what is returned is its only name.
-Expected<Descriptor> hide(Socket& socket, const std::string& folder) {
+Expected<Descriptor> hide(Socket& socket, const std::string& endpoint, const std::string& folder) {
   static std::atomic<unsigned> count = 0;
+  const auto cannot = [&](int error) {
+    return fail(endpoint + ": peers cannot be let in by way of " + folder + ": " + zmq_strerror(error) +
+                "; that takes /proc and a folder this user may write to");
+  };
   const Descriptor room(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
-  if (!room) return refuse(folder, errno);
+  if (!room) return cannot(errno);
   const std::string file = ".armature-" + std::to_string(::getpid()) + "-" + std::to_string(++count);
   Descriptor listener = stream_socket(AF_UNIX);
   const LocalAddress address(path_to(room) + "/" + file);
-  if (::bind(listener.get(), address.get(), address.size) != 0) return refuse(folder, errno);
+  if (::bind(listener.get(), address.get(), address.size) != 0) return cannot(errno);
   Descriptor name(::openat(room.get(), file.c_str(), O_PATH | O_CLOEXEC));
   ::unlinkat(room.get(), file.c_str(), 0);
-  if (!name || ::listen(listener.get(), kBacklog) != 0) return refuse(folder, errno);
-  socket.set(ZMQ_USE_FD, listener.get());
-  if (zmq_bind(socket.get(), "ipc:///armature") != 0) return refuse(folder, zmq_errno());
+  if (!name || ::listen(listener.get(), kBacklog) != 0) return cannot(errno);
+  socket.set(ZMQ_USE_FD, listener.get()).set(ZMQ_HANDSHAKE_IVL, static_cast<int>(kShakingHands.count()));
+  if (zmq_bind(socket.get(), "ipc:///armature") != 0) return cannot(zmq_errno());
   (void)listener.release();  // ZeroMQ's now
   return name;
 }
@@ -117,6 +100,7 @@ void tune_tcp(const Descriptor& peer) {
   set(IPPROTO_TCP, TCP_USER_TIMEOUT, 3000);
 }
 
+/// By the kernel's word; where it has none, nobody.
 std::optional<uid_t> user_of(const Descriptor& peer) {
   ucred credentials{};
   socklen_t size = sizeof credentials;
@@ -124,15 +108,23 @@ std::optional<uid_t> user_of(const Descriptor& peer) {
   return credentials.uid;
 }
 
+std::optional<in_addr_t> address_of(const Descriptor& peer) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  if (::getpeername(peer.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return std::nullopt;
+  return address.sin_addr.s_addr;
+}
+
 /// Connections to sockets of ours, in the whole process, that ZeroMQ has not accepted yet: a descriptor each.
 std::atomic<int> under_way = 0;
 
-/// An eighth of the descriptors that the process may have is for everything else: ZeroMQ aborts where none is left.
-bool leaves_descriptors(const Descriptor& newest) {
+/// An eighth of the descriptors that the process may have is for everything else: ZeroMQ aborts where none is left. A
+/// second one is for peers of ours.
+bool leaves_descriptors(const Descriptor& newest, bool is_ours) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return true;
   const int in_use = newest.get() + under_way;
-  return static_cast<rlim_t>(in_use) < limit.rlim_cur - limit.rlim_cur / 8;
+  return static_cast<rlim_t>(in_use) < limit.rlim_cur - limit.rlim_cur / (is_ours ? 8 : 4);
 }
 
 bool would_block() {
@@ -141,8 +133,8 @@ bool would_block() {
 
 }  // namespace
 
-Entrance::Connection::Connection(Listener& through, Descriptor from, Descriptor to, std::size_t bytes)
-    : listener(through), bytes_left(bytes) {
+Entrance::Connection::Connection(Listener& through, const Guest& who, Descriptor from, Descriptor to, std::size_t bytes)
+    : listener(through), guest(who), bytes_left(bytes) {
   ++under_way;
   peer.descriptor = std::move(from);
   ours.descriptor = std::move(to);
@@ -187,17 +179,20 @@ Expected<void> Entrance::open(const std::string& endpoint, std::span<Socket* con
   std::filesystem::path folder = local ? std::filesystem::path(endpoint.substr(kIpc.size())).parent_path() : "";
   if (folder.empty()) folder = local && !endpoint.starts_with("ipc://@") ? "." : "/tmp";
 
-  Listener& listener = listeners_.emplace_back();
+  // Ours alone until it is complete.
+  std::list<Listener> opened(1);
+  Listener& listener = opened.front();
   listener.listener = &listener;
   listener.lock = *std::move(lock);
   listener.descriptor = *std::move(bound);
   listener.local = local;
   listener.choose = std::move(choose);
   for (Socket* socket : sockets) {
-    auto name = hide(*socket, folder);
+    auto name = hide(*socket, endpoint, folder);
     if (!name) return tl::unexpected(name.error());
     listener.sockets.push_back(*std::move(name));
   }
+  listeners_.splice(listeners_.end(), opened);
   epoll_event event{.events = EPOLLIN, .data = {.ptr = static_cast<Watched*>(&listener)}};
   if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, listener.descriptor.get(), &event) != 0) return refuse(endpoint, errno);
   return {};
@@ -245,17 +240,36 @@ void Entrance::admit(Listener& listener) {
       std::this_thread::sleep_for(kUntilDescriptorsMayBeFree);
     return;
   }
-  if (listener.connections.size() >= allowance_.peers || !leaves_descriptors(peer)) return;
-  if (!listener.local) tune_tcp(peer);
-  const std::size_t chosen = listener.choose ? listener.choose(listener.local ? user_of(peer) : std::nullopt) : 0;
+  const auto from = listener.local ? user_of(peer) : address_of(peer);
+  if (!from) return;
+  Guest guest{.from = *from};
+  if (listener.local) {
+    guest.is_ours = guest.from == 0 || guest.from == ::geteuid();
+    if (listener.choose) guest.socket = listener.choose(guest.from);
+  } else {
+    tune_tcp(peer);
+  }
+  if (!has_place(listener, guest) || !leaves_descriptors(peer, guest.is_ours)) return;
   Descriptor ours = stream_socket(AF_UNIX);
-  const LocalAddress address(path_to(listener.sockets[chosen]));
+  const LocalAddress address(path_to(listener.sockets[guest.socket]));
   if (::connect(ours.get(), address.get(), address.size) != 0) return;
   Connection& connection =
-      listener.connections.emplace_back(listener, std::move(peer), std::move(ours), allowance_.bytes);
+      listener.connections.emplace_back(listener, guest, std::move(peer), std::move(ours), allowance_.bytes);
   connection.place = std::prev(listener.connections.end());
   watch(connection.peer);
   watch(connection.ours);
+}
+
+bool Entrance::has_place(const Listener& listener, const Guest& guest) const {
+  std::size_t taken = 0, by_them = 0;
+  for (const Connection& connection : listener.connections) {
+    if (connection.guest.socket != guest.socket) continue;
+    ++taken;
+    if (connection.guest.from == guest.from) ++by_them;
+  }
+  if (guest.is_ours) return taken < allowance_.peers;
+  const std::size_t kept = listener.local ? allowance_.peers / 4 : 0;
+  return taken < allowance_.peers - kept && by_them < allowance_.peers / 2;
 }
 
 void Entrance::serve(End& end, std::uint32_t events) {

@@ -10,7 +10,7 @@ tl::unexpected<Error> refuse(const std::string& endpoint, int error) {
       return fail(endpoint + ": already in use; stop the program that has it or choose another endpoint");
     case EACCES: return fail(endpoint + ": permission denied; choose an endpoint this user may create");
     case ENOENT: return fail(endpoint + ": its directory does not exist; create it or choose another endpoint");
-    default: return fail(endpoint + ": " + zmq_strerror(error));
+    default: return fail(endpoint + ": " + zmq_strerror(error) + "; choose another endpoint");
   }
 }
 

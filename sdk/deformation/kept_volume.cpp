@@ -25,10 +25,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMostOfRadius = 0.5;  // that the surface moves
-constexpr int kRounds = 8;             // of Newton's method
-constexpr std::size_t kGrain = 4096;   // quads that are summed in order, or vertices
-constexpr std::size_t kAhead = 20;     // quads
+constexpr double kMostOfRadius = 0.75;  // that the surface moves
+constexpr int kRounds = 8;              // of Newton's method
+constexpr std::size_t kGrain = 4096;    // quads that are summed in order, or vertices
+constexpr std::size_t kAhead = 20;      // quads
+constexpr std::size_t kLookedAt = 8;    // faces on a side: on one of a hostile mesh there may be all of them
 
 /// SplitMix64's finaliser: edges become numbers that no few of them add up to zero by chance.
 std::uint64_t mixed(std::uint64_t x) {
@@ -62,7 +63,8 @@ std::vector<Quad> quads_of(const Mesh& mesh) {
   const auto partner = [&](FaceId face, std::size_t k) -> std::optional<Quad> {
     const Triangle& corners = mesh.triangle(face);
     const VertexId c = corners[k], a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
-    for (const FaceId other : adjacency.faces(adjacency.edges(face)[k])) {
+    const std::span<const FaceId> beside = adjacency.faces(adjacency.edges(face)[k]);
+    for (const FaceId other : beside.first(std::min(beside.size(), kLookedAt))) {
       if (taken[other.index()]) continue;
       const Triangle& theirs = mesh.triangle(other);
       for (std::size_t j = 0; j < 3; ++j)

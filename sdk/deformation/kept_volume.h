@@ -20,7 +20,7 @@ using Quad = std::array<std::uint32_t, 4>;
 
 /// Gives a closed mesh the volume back that blended turns give or take (after von Funck, Theisel, Seidel 2008): where
 /// turns disagree, the surface moves outward or inward, more where they disagree more and where spheres are larger, by
-/// at most half of their radius; what turns as a whole stays.
+/// at most three quarters of their radius; what turns as a whole stays.
 class KeptVolume {
  public:
   /// Of a mesh with these triangles.

@@ -57,8 +57,10 @@ void SkinnedLevel::find_outward(const WeightColumn& column) {
 
 void SkinnedLevel::move(std::span<const SphereMotion> motions, Blend blend, std::span<Vector3d> out, Volume volume) {
   if (std::ranges::none_of(motions, [](const SphereMotion& motion) { return motion.swelling() != 0; })) {
-    const bool keeps = blend == Blend::DualQuaternions &&
-                       (volume == Volume::Kept || (volume == Volume::KeptByTurns && only_turn(motions)));
+    const auto is_stiff = [](const SphereMotion& motion) { return motion.scale == 1; };
+    const bool keeps =
+        blend == Blend::DualQuaternions && ((volume == Volume::Kept && std::ranges::all_of(motions, is_stiff)) ||
+                                            (volume == Volume::KeptByTurns && only_turn(motions)));
     if (keeps && !kept_) kept_ = std::make_unique<KeptVolume>(mesh_);
     if (keeps && kept_->closed()) {
       if (!kept_->has_rest()) kept_->set_rest(mesh_, weights_, shape_.spheres);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/mesh/curvature.h>
@@ -92,9 +93,9 @@ class Builder {
     decimation_.offer(0);
   }
 
-  /// False if the task was stopped.
-  bool decimate(const Task& task) {
-    if (!collapse(wanted_, task)) return false;
+  /// False if the task was stopped, which is told how far that has come as `stage`.
+  bool decimate(std::string_view stage, const Task& task) {
+    if (!collapse(wanted_, stage, task)) return false;
     collapses_ = complex_.steps();
     recorder_.take_steps(decimation_.steps());
     return true;
@@ -107,9 +108,10 @@ class Builder {
     constexpr std::uint32_t kLeastVertices = 10;  // for each of them
     constexpr double kMost = 0.1;                 // of the area
     const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
-    if (vertices < kSpheres * kLeastVertices) return false;
+    const std::uint32_t coarsest = vertices / kLeastVertices;
+    if (coarsest < kSpheres || options_.stop_at > coarsest || options_.pinned.size() > kSpheres) return false;
     const std::uint32_t coarse = vertices - kSpheres;
-    if (!collapse(coarse, task)) return std::nullopt;
+    if (!collapse(coarse, "looking for staves", task)) return std::nullopt;
     return complex_.steps() >= coarse && share_of_staves(mesh, recorder_.regions(coarse)) > kMost;
   }
 
@@ -124,11 +126,16 @@ class Builder {
 
  private:
   /// Until so many collapses are done, or none is left; false if the task was stopped.
-  bool collapse(std::uint32_t wanted, const Task& task) {
+  bool collapse(std::uint32_t wanted, std::string_view stage, const Task& caller) {
+    const std::uint32_t first = complex_.steps();
+    const Task task{.stop = caller.stop, .progress = [&](std::string_view, double) {
+                      caller.report(stage, static_cast<double>(complex_.steps() - first) / (wanted - first));
+                    }};
     const auto record = [&](std::uint32_t kept, std::uint32_t gone) {
       recorder_.record(kept, gone, metric_.sphere(kept));
     };
     if (complex_.steps() >= wanted) return true;
+    caller.report(stage, 0);
     if (!decimation_.run(wanted - complex_.steps(), task, record)) return false;
     while (complex_.steps() < wanted && !options_.keep_topology) {
       const std::uint32_t before = complex_.steps();
@@ -187,7 +194,7 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
   build.statistics.init_ms = milliseconds_since(start);
 
   const auto decimating = Clock::now();
-  if (!builder->decimate(task)) return cancelled();
+  if (!builder->decimate("decimating", task)) return cancelled();
   if (!options.compactness && similar == nullptr) {
     const auto along = builder->cuts_along(mesh, task);
     if (!along) return cancelled();
@@ -196,7 +203,7 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
       builder.reset();
       settled.compactness = kAcross;
       builder = std::make_unique<Builder>(mesh, settled, weights, similar);
-      if (!builder->decimate(task)) return cancelled();
+      if (!builder->decimate("decimating across", task)) return cancelled();
     }
   }
   build.statistics.compactness = settled.compactness.value_or(0);

@@ -49,7 +49,7 @@ CollapseComplex::CollapseComplex(std::uint32_t vertices, std::span<const Triangl
       edge_to_(vertices, kNoIndex) {
   const std::vector<Pair> pairs = edges_of_triangles(triangles);
   edges_.reserve(pairs.size() + links.size());
-  for (const Pair& pair : pairs) edges_.push_back({.ends = pair, .flags = kWire});
+  for (const Pair& pair : pairs) edges_.push_back({.ends = pair, .flags = Wire});
 
   std::vector<std::uint32_t> sizes(vertices, 0);
   for (const Triangle& t : triangles_)
@@ -144,8 +144,8 @@ void CollapseComplex::merge_edges(std::uint32_t collapsed, std::uint32_t kept, s
   doubled_.clear();
   star_.clear();
   const auto kill = [&](std::uint32_t e) {
-    edges_[e].flags |= kDead;
-    if ((edges_[e].flags & kWire) != 0) end_wire(e);
+    edges_[e].flags |= Dead;
+    if ((edges_[e].flags & Wire) != 0) end_wire(e);
   };
   for (const auto e : edge_stars_.of(gone)) {
     if (e == collapsed) continue;
@@ -162,7 +162,7 @@ void CollapseComplex::merge_edges(std::uint32_t collapsed, std::uint32_t kept, s
     const bool link = is_link(e) && is_link(twin);
     edge_stars_.remove(y, loser);
     kill(loser);
-    if (!link) edges_[winner].flags &= static_cast<std::uint8_t>(~kLink);
+    if (!link) edges_[winner].flags &= static_cast<std::uint8_t>(~Link);
     edge_to_[y] = winner;
     doubled_.push_back(winner);
   }
@@ -183,12 +183,12 @@ void CollapseComplex::settle_wires(std::uint32_t kept) {
     if (is_link(e)) continue;
     const std::uint32_t y = other_end(e, kept);
     const bool wire = triangles_on(kept, y) == 0;
-    const bool was = (edges_[e].flags & kWire) != 0;
+    const bool was = (edges_[e].flags & Wire) != 0;
     if (wire && !was) {
-      edges_[e].flags |= kWire;
+      edges_[e].flags |= Wire;
       wire_events_.push_back({steps_ + 1, e, kept, y});
     } else if (!wire && was) {
-      edges_[e].flags &= static_cast<std::uint8_t>(~kWire);
+      edges_[e].flags &= static_cast<std::uint8_t>(~Wire);
       end_wire(e);
     }
   }
@@ -217,7 +217,7 @@ std::uint32_t CollapseComplex::add_links(std::span<const Pair> links) {
     for (const auto e : edge_stars_.of(slot)) grown.push(slot, e);
   for (const Pair& pair : links) {
     const std::uint32_t id = edge_count();
-    edges_.push_back({.ends = pair, .flags = kLink});
+    edges_.push_back({.ends = pair, .flags = Link});
     for (const auto end : pair) grown.push(end, id);
   }
   edge_stars_ = std::move(grown);

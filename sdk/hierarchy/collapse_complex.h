@@ -53,8 +53,8 @@ class CollapseComplex {
   [[nodiscard]] std::uint32_t& key(std::uint32_t edge) noexcept { return edges_[edge].key; }
   [[nodiscard]] std::uint32_t key(std::uint32_t edge) const noexcept { return edges_[edge].key; }
   [[nodiscard]] std::uint8_t& note(std::uint32_t edge) noexcept { return edges_[edge].note; }
-  [[nodiscard]] bool alive(std::uint32_t edge) const noexcept { return (edges_[edge].flags & kDead) == 0; }
-  [[nodiscard]] bool is_link(std::uint32_t edge) const noexcept { return (edges_[edge].flags & kLink) != 0; }
+  [[nodiscard]] bool alive(std::uint32_t edge) const noexcept { return (edges_[edge].flags & Dead) == 0; }
+  [[nodiscard]] bool is_link(std::uint32_t edge) const noexcept { return (edges_[edge].flags & Link) != 0; }
   [[nodiscard]] const Triangle& triangle(std::uint32_t id) const noexcept { return triangles_[id]; }
   [[nodiscard]] std::span<const std::uint32_t> edges_of(std::uint32_t slot) const noexcept {
     return edge_stars_.of(slot);
@@ -85,7 +85,7 @@ class CollapseComplex {
   [[nodiscard]] std::vector<WireEvent> take_wire_events() noexcept { return std::move(wire_events_); }
 
  private:
-  enum Flag : std::uint8_t { kDead = 1, kLink = 2, kWire = 4 };
+  enum Flag : std::uint8_t { Dead = 1, Link = 2, Wire = 4 };
   struct Edge {
     Pair ends;
     std::uint32_t key = 0;

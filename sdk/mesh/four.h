@@ -21,7 +21,7 @@ using FourAnywhere [[gnu::aligned(8), gnu::may_alias]] = Four;
 
 /// Half as precise.
 using FourFloats = float __attribute__((vector_size(16)));
-using FourFloatsAnywhere = float __attribute__((vector_size(16), aligned(4), may_alias));
+using FourFloatsAnywhere [[gnu::aligned(4), gnu::may_alias]] = FourFloats;
 
 /// Four rows of four become four columns.
 template <class Four>

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <armature/navproto/publisher.h>
@@ -24,6 +25,20 @@ class TemporaryEndpoint {
  private:
   test::TemporaryDirectory folder_;
 };
+
+struct TcpPublisher {
+  std::string uri;
+  Publisher publisher;
+};
+/// At ports of this machine that nobody has; nothing where there are none.
+[[nodiscard]] inline std::optional<TcpPublisher> publisher_over_tcp(const PublisherOptions& options = {}) {
+  // Five free ports in a row are not to be had from the kernel; try a few places.
+  for (int port = 20'500; port < 20'900; port += 10) {
+    std::string uri = "tcp://127.0.0.1:" + std::to_string(port);
+    if (auto publisher = Publisher::bind(uri, options)) return TcpPublisher{std::move(uri), *std::move(publisher)};
+  }
+  return std::nullopt;
+}
 
 /// A clock that the ends of a test share and that only the test moves.
 class SharedClock {

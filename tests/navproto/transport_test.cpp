@@ -209,21 +209,16 @@ TEST(Transport, APublisherOfAnotherVersionIsOneClearError) {
 }
 
 TEST(Transport, WorksOverTcp) {
-  // Five free ports in a row are not to be had from the kernel; try a few places.
-  for (int port = 20'500; port < 20'900; port += 10) {
-    const std::string uri = "tcp://127.0.0.1:" + std::to_string(port);
-    auto publisher = Publisher::bind(uri);
-    if (!publisher) continue;
-    const auto second = Publisher::bind(uri);
-    ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().message,
-              uri + ": already in use; stop the program that has it or choose another endpoint");
-    NavSubscriber nav(uri);
-    NavigationMessage message = walking(0.5);
-    EXPECT_TRUE(repeat_until([&] { publisher->publish_navigation(message); }, [&] { return nav.navigation(); }));
-    return;
-  }
-  GTEST_SKIP() << "no free TCP ports between 20500 and 20900";
+  auto bound = publisher_over_tcp();
+  if (!bound) GTEST_SKIP() << "no free TCP ports";
+  auto& [uri, publisher] = *bound;
+  const auto second = Publisher::bind(uri);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().message, uri + ": already in use; stop the program that has it or choose another endpoint");
+  NavSubscriber nav(uri);
+  NavigationMessage message = walking(0.5);
+  EXPECT_TRUE(repeat_until([&, &publisher = publisher] { publisher.publish_navigation(message); },
+                           [&] { return nav.navigation(); }));
 }
 
 /// A publisher in a process of its own that publishes until it is stopped or killed.

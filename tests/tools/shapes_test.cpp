@@ -30,6 +30,14 @@ TEST(Shapes, AHollowBallHasTheVolumeOfItsWall) {
   EXPECT_NEAR(volume(hollow_ball(3, 0.5)), whole * (1 - 0.125), 1e-9);
 }
 
+TEST(Shapes, ATubeIsClosedWithItsFacesOutwardHoweverItIsTwisted) {
+  for (const double twist : {0.0, 0.5}) {
+    const sdk::Mesh mesh = straight_tube(6, 48, twist);
+    EXPECT_EQ(mesh.positions.size(), 2 + mesh.triangles.size() / 2);  // Euler's formula
+    EXPECT_NEAR(volume(mesh) / (std::numbers::pi * (6 + 4.0 / 3)), 1, 0.01);
+  }
+}
+
 TEST(Shapes, CuttingFacesInFourLeavesTheSurface) {
   const sdk::Mesh mesh = creature(3);
   const sdk::Mesh finer = subdivided(mesh);

@@ -90,7 +90,14 @@ TrainingImage synthetic_image(std::uint64_t seed) {
 }
 
 PersonTwice synthetic_person(std::uint64_t seed) {
-  thread_local TrainingSampler sampler{TrainingOptions{}};
+  // More of them are hidden than where parts are learned: that is where joints have to be guessed from others.
+  const auto options_of_corrections = [] {
+    TrainingOptions options;
+    options.occluded = 0.32;
+    options.company = 0.20;
+    return options;
+  };
+  thread_local TrainingSampler sampler{options_of_corrections()};
   thread_local LabelledImage labelled, at_rest;
   sampler.sample(seed, labelled, &at_rest);
   return {training_image(labelled), training_image(at_rest)};

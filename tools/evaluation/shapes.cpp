@@ -89,6 +89,33 @@ Mesh creature(int rounds) {
   return mesh;
 }
 
+Mesh straight_tube(double length, int around, double twist) {
+  const double profile = length + std::numbers::pi;  // from pole to pole
+  const int rings = static_cast<int>(std::lround(profile * around / (2 * std::numbers::pi)));
+  Mesh mesh;
+  for (int ring = 1; ring < rings; ++ring) {
+    const double s = profile * ring / rings - profile / 2;
+    const double on_cap = std::copysign(std::max(0.0, std::abs(s) - length / 2), s);
+    const double x = s - on_cap + std::sin(on_cap);
+    for (int k = 0; k < around; ++k) {
+      const double turn = 2 * std::numbers::pi * k / around + twist * x;
+      mesh.positions.emplace_back(x, std::cos(on_cap) * std::cos(turn), std::cos(on_cap) * std::sin(turn));
+    }
+  }
+  const VertexId first(mesh.positions.size()), last(mesh.positions.size() + 1);
+  for (const double side : {-1.0, 1.0}) mesh.positions.emplace_back(side * (length / 2 + 1), 0, 0);
+  const auto at = [&](int ring, int k) { return VertexId(static_cast<std::size_t>(ring * around + k % around)); };
+  for (int k = 0; k < around; ++k) {
+    mesh.triangles.push_back({first, at(0, k + 1), at(0, k)});
+    for (int ring = 0; ring + 2 < rings; ++ring) {
+      mesh.triangles.push_back({at(ring, k), at(ring, k + 1), at(ring + 1, k + 1)});
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring + 1, k)});
+    }
+    mesh.triangles.push_back({last, at(rings - 2, k), at(rings - 2, k + 1)});
+  }
+  return mesh;
+}
+
 Mesh subdivided(const Mesh& mesh) {
   Mesh result{.positions = mesh.positions};
   result.triangles.reserve(4 * mesh.triangles.size());

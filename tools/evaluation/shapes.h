@@ -15,6 +15,11 @@ namespace armature::tools {
 /// A closed blob with eight arms of different lengths, and ripples: a shape with parts, for want of a model.
 [[nodiscard]] sdk::Mesh creature(int rounds);
 
+/// A closed tube of radius 1 about the x axis, its middle at the origin, `length` long between two half balls. `around`
+/// vertices stand on each ring, rings as far apart as these, and each turned against the last: by `twist` radians a
+/// length of 1.
+[[nodiscard]] sdk::Mesh straight_tube(double length, int around, double twist = 0);
+
 /// Every face cut into four at the midpoints of its edges; the surface stays what it is.
 [[nodiscard]] sdk::Mesh subdivided(const sdk::Mesh& mesh);
 

@@ -31,6 +31,7 @@ constexpr float kRowDepth_m = 0.40F;
 constexpr float kRowHalfWidth_m = 0.35F;
 /// Between the shoulder joints over from the waist to the neck.
 constexpr float kShouldersOverTorso = 0.85F;
+constexpr float kLeastTorso_m = 0.20F;  // no child who stands has a shorter one
 
 Vector2f on_floor(const Vector3f& point, const Vector3f& up) noexcept {
   const Vector3f ahead = (Vector3f::UnitZ() - up.z() * up).normalized();
@@ -194,15 +195,19 @@ EngagementState Engagement::update(const Seen& seen) noexcept {
 bool Engagement::faces_sensor(const Skeleton& skeleton) const noexcept {
   const Joint& left = skeleton[JointId::LeftShoulder];
   const Joint& right = skeleton[JointId::RightShoulder];
-  if (left.state == JointState::Lost || right.state == JointState::Lost) return false;
+  const Joint& neck = skeleton[JointId::Neck];
+  const Joint& waist = skeleton[JointId::Waist];
+  for (const Joint* joint : {&left, &right, &neck, &waist}) {
+    if (joint->state == JointState::Lost) return false;
+  }
   // Seen from above: a person's left is to the camera's right when she faces it.
   const Vector3f across = left.position - right.position;
   const Vector3f middle = (left.position + right.position) / 2;
   const Vector2f to_the_right = Vector2f(middle.z(), -middle.x()).normalized();
   const float seen_m = Vector2f(across.x(), across.z()).dot(to_the_right);
   // Joints know less and less how far somebody is turned, but that her shoulders look narrow.
-  const float torso_m = (skeleton[JointId::Neck].position - skeleton[JointId::Waist].position).norm();
-  return seen_m > std::cos(options_.facing_rad) * kShouldersOverTorso * torso_m;
+  const float torso_m = (neck.position - waist.position).norm();
+  return torso_m > kLeastTorso_m && seen_m > std::cos(options_.facing_rad) * kShouldersOverTorso * torso_m;
 }
 
 void Engagement::release() noexcept {

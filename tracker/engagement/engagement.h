@@ -36,7 +36,7 @@ struct EngagementOptions {
   float far_m = 4.5F;        ///< and ends so far
   float half_width_m = 2;    ///< to either side
   float place_radius_m = 1;  ///< whoever steers and moves farther from where she stood still has left her place
-  float facing_rad = 1.1F;   ///< whose shoulders are turned farther from the sensor does not face it
+  float facing_rad = 1.1F;   ///< whose shoulders look as narrow as if turned farther does not face the sensor
   std::chrono::milliseconds lost_timeout{2000};  ///< a user who has left or is lost for longer is released
 };
 

@@ -96,7 +96,9 @@ void correction_inputs(const Skeleton& skeleton, const RestingBody& resting, con
   *next++ = distance_m / kTypicalDistance_m;
   next = std::ranges::copy(middles_and_widths(resting.seen()), next).out;
   for (const auto& [from, to] : kBones) {
-    const auto length = [&](const auto& joints) { return (joints[index(to)] - joints[index(from)]).norm(); };
+    const auto length = [&, from = from, to = to](const auto& joints) {
+      return (joints[index(to)] - joints[index(from)]).norm();
+    };
     const float at_rest_m = length(resting.seen());
     *next++ = at_rest_m;
     *next++ = length(now) - at_rest_m;

@@ -29,12 +29,15 @@ class CorrectionFrame {
 };
 
 /// What the votes say of somebody at rest: each joint as seen from the CorrectionFrame of its moment, metres, a mean
-/// over the last half second. Builds differ by more than small motions: who knows a person at rest tells the two apart.
+/// in which the last 15 frames weigh most. Builds differ by more than small motions: who knows a person at rest tells
+/// the two apart.
 class RestingBody {
  public:
   RestingBody() noexcept { seen_.fill(Eigen::Vector3f::Zero()); }
 
   void add(const Skeleton& voted) noexcept;
+  /// Whether it is a mean of enough frames to be kept.
+  [[nodiscard]] bool settled() const noexcept { return frames_ == kFrames; }
   [[nodiscard]] const std::array<Eigen::Vector3f, kJointCount>& seen() const noexcept { return seen_; }
   /// The same in a mirror.
   [[nodiscard]] RestingBody mirrored() const noexcept;

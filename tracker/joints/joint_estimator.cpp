@@ -156,6 +156,10 @@ void JointEstimator::keep_build(bool keep) noexcept {
   state_->keeps_build = keep;
 }
 
+const Skeleton& JointEstimator::voted() const noexcept {
+  return state_->last;
+}
+
 void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   State& s = *state_;
   if (votes.pixels.empty()) {
@@ -202,7 +206,7 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   out.user_position = torso_centre(votes, out[JointId::Torso].position);
   s.last = out;
   s.has_last = true;
-  if (!s.keeps_build) s.resting.add(out);
+  if (!s.keeps_build || !s.resting.settled()) s.resting.add(out);
   s.correction.apply(out, s.resting);
 }
 

@@ -30,12 +30,15 @@ class JointEstimator {
   /// Forgets the past: a new user.
   void reset() noexcept;
 
-  /// Corrections look at how the user is built, which is taken from the last half second until this says that it is
-  /// known: joints do not shift any more because she moves on. reset() forgets it.
+  /// Corrections look at how the user is built, which is taken from the last frames until this says that it is known
+  /// (and there were 15 at least): joints do not shift any more because she moves on. reset() forgets it.
   void keep_build(bool keep) noexcept;
 
   /// With no pixels every joint is lost, at its last position.
   void estimate(const PartVotes& votes, Skeleton& out) noexcept;
+
+  /// The skeleton of the last frame before its correction.
+  [[nodiscard]] const Skeleton& voted() const noexcept;
 
  private:
   struct State;

@@ -105,18 +105,19 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_res
   const Person person = random_person(random, options_.carries);
   RandomPose posed = random_pose(person, random);
   const bool wheels = posed.seat_height > 0 && random.chance(options_.wheelchair);
-  if (wheels) raise_onto_footrests(posed);
   const double distance = random.uniform(options_.nearest_m, options_.farthest_m);
   const double x = distance * random.uniform(-0.28, 0.28);
   bool alone = false;
   double heading = options_.turned_deg * kRadians *
                    (random.chance(0.5) ? 0.35 * std::clamp(random.normal(), -2.0, 2.0) : random.uniform(-1, 1));
+  const RigidTransform furnished = world_from_body(x, distance, heading);
   if (at_rest) {
     Random resting(scrambled(seed ^ 0x4E57ULL));
     posed = random_pose(person, posed.activity == Activity::Sit ? Activity::Sit : Activity::Stand, resting);
     heading = 0.15 * resting.normal();
     alone = resting.chance(0.5);  // whoever hides her may come later
   }
+  if (wheels) raise_onto_footrests(posed);
 
   Intrinsics k = kinect_intrinsics(options_.width, options_.height);
   k.focal_x_px *= 1 + options_.vary_intrinsics * random.uniform(-1, 1);
@@ -144,7 +145,7 @@ bool TrainingSampler::try_sample(Random& random, std::uint64_t seed, bool at_res
   if (random.chance(options_.occluded)) {
     const Eigen::Matrix3d turned = turned_left(random.uniform(-0.5, 0.5));
     const double ahead = random.uniform(0.5, 0.9), aside = random.uniform(-0.5, 0.5);
-    const RigidTransform before = placed * RigidTransform{turned, Vector3d(aside, 0, ahead)};
+    const RigidTransform before = furnished * RigidTransform{turned, Vector3d(aside, 0, ahead)};
     const auto some_table = [&] {
       const double half_depth = random.uniform(0.2, 0.3), half_width = random.uniform(0.3, 0.6);
       return table(before, random.uniform(0.5, 0.8), half_width, half_depth);

@@ -48,8 +48,8 @@ class TrainingSampler {
  public:
   explicit TrainingSampler(const TrainingOptions& options) : options_(options) {}
 
-  /// `at_rest`, where wanted, gets the same person before the same camera, but at rest: behind the same
-  /// furniture, and beside the same company or not.
+  /// `at_rest`, where wanted, gets the same person before the same camera, but at rest: behind the same furniture, on
+  /// the same kind of seat, and beside the same company or not.
   void sample(std::uint64_t seed, LabelledImage& out, LabelledImage* at_rest = nullptr);
 
  private:

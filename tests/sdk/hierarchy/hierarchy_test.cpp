@@ -361,6 +361,35 @@ TEST(Build, LeavesWhatIsNotStraightAsItIs) {
   }
 }
 
+TEST(Build, LooksForStavesOnlyWhereLevelsAreCoarse) {
+  const Mesh tube = tubes::tube(12, 1, 0, 48, 160);
+  const auto stages = [&](const Mesh& mesh, const HierarchyOptions& options) {
+    std::vector<std::string> told;
+    double last = 0;
+    const Task task{.progress = [&](std::string_view stage, double fraction) {
+      if (told.empty() || told.back() != stage) {
+        told.emplace_back(stage);
+        last = 0;
+      }
+      EXPECT_GE(fraction, last) << stage;
+      EXPECT_LE(fraction, 1) << stage;
+      last = fraction;
+    }};
+    EXPECT_TRUE(build_hierarchy(mesh, options, task));
+    return told;
+  };
+  using Stages = std::vector<std::string>;
+  EXPECT_EQ(stages(tube, {.stop_at = 300}), (Stages{"decimating", "looking for staves", "decimating across"}));
+  EXPECT_EQ(stages(tube, {.stop_at = tube.positions.size() / 2}), Stages{"decimating"});
+  EXPECT_EQ(stages(tube, {.compactness = 0, .stop_at = 300}), Stages{"decimating"});
+  // Components that are joined in the end belong to the same stage.
+  Mesh crumbs;
+  for (std::size_t i = 0; i < 7500; ++i)
+    crumbs.positions.emplace_back(i % 3 == 1 ? 0.1 : 0, i % 3 == 2 ? 0.1 : 0, static_cast<double>(i / 3));
+  for (std::size_t i = 0; i < 7500; i += 3) crumbs.triangles.push_back(surfaces::triangle(i, i + 1, i + 2));
+  EXPECT_EQ(stages(crumbs, {.compactness = 0}), Stages{"decimating"});
+}
+
 TEST(Build, RefusesWhatItCannotUse) {
   EXPECT_EQ(build_hierarchy({}).error().message, "expected a mesh with vertices, found none");
   const auto why = [](const HierarchyOptions& options) {

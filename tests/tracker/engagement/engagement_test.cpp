@@ -218,6 +218,14 @@ TEST(Engagement, FacingIsToldFromTheShoulders) {
   narrow[JointId::LeftShoulder].position += inward;
   narrow[JointId::RightShoulder].position -= inward;
   EXPECT_FALSE(engagement.faces_sensor(narrow));
+  for (const JointId joint : {JointId::Neck, JointId::Waist}) {  // what is lost says nothing of how long a torso is
+    Skeleton without = turned(0);
+    without[joint].state = JointState::Lost;
+    EXPECT_FALSE(engagement.faces_sensor(without));
+  }
+  Skeleton collapsed = turned(0);
+  collapsed[JointId::Waist].position = collapsed[JointId::Neck].position;
+  EXPECT_FALSE(engagement.faces_sensor(collapsed));
 }
 
 }  // namespace

@@ -119,12 +119,16 @@ TEST(JointEstimator, TheBuildFollowsUntilItIsKept) {
     const std::array both = {pixel(left, half_width), pixel(right, -half_width)};
     Skeleton skeleton;
     estimator.estimate({both}, skeleton);
+    EXPECT_NEAR(estimator.voted()[JointId::LeftHip].position.y(), 0.2F, 1e-4) << "as it was before";
     return 0.2F - skeleton[JointId::LeftHip].position.y();
   };
   EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);
   EXPECT_NEAR(lowered(0.20F), 0.30F, 1e-4);  // the mean of both
   estimator.keep_build(true);
-  EXPECT_NEAR(lowered(0.10F), 0.30F, 1e-4);
+  EXPECT_NEAR(lowered(0.60F), 0.60F, 1e-4) << "two frames are too few to be kept";
+  for (int frame = 3; frame < 15; ++frame) (void)lowered(0.30F);
+  const float kept = lowered(0.30F);
+  EXPECT_NEAR(lowered(0.10F), kept, 1e-4);
   estimator.reset();
   EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);  // somebody else
 }

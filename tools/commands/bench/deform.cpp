@@ -21,6 +21,9 @@
 #include <tbb/global_control.h>
 
 #include "tools/commands/bench/bench.h"
+#include "tools/commands/bench/deform_tubes.h"
+#include "tools/commands/bench/sections.h"
+#include "tools/commands/choices.h"
 #include "tools/elapsed.h"
 #include "tools/evaluation/bounded_biharmonic.h"
 #include "tools/evaluation/shapes.h"
@@ -32,6 +35,7 @@ namespace {
 
 struct DeformBenchOptions {
   std::vector<std::string> meshes;
+  std::vector<std::string> only;
   std::size_t spheres = 50;
   std::size_t handles = 1;
   int rounds = 20;
@@ -60,9 +64,9 @@ struct StepTimes {
 };
 
 /// One mesh, one measure a method.
-class DeformBench {
+class MeshBench {
  public:
-  DeformBench(std::string name, sdk::Mesh mesh, const DeformBenchOptions& options)
+  MeshBench(std::string name, sdk::Mesh mesh, const DeformBenchOptions& options)
       : name_(std::move(name)), mesh_(std::move(mesh)), options_(options) {}
 
   Expected<void> run(SdkCall& call) {
@@ -151,8 +155,8 @@ class DeformBench {
     const double linear = time(sdk::Blend::Linear);
     const double dual = time(sdk::Blend::DualQuaternions);
     sdk::SkinnedLevel level(skin, *hierarchy_.level(options_.spheres), mesh_);
-    const double kept =
-        fastest(5 * options_.rounds, [&] { level.move(turns, sdk::Blend::DualQuaternions, out, sdk::Volume::KeptByTurns); });
+    const double kept = fastest(5 * options_.rounds,
+                                [&] { level.move(turns, sdk::Blend::DualQuaternions, out, sdk::Volume::KeptByTurns); });
     level.move(motions, sdk::Blend::DualQuaternions, out);
     const sdk::Refit refit(mesh_, hierarchy_);
     const double refit_ms = fastest(5 * options_.rounds, [&] { (void)refit.fit(nodes, out); });
@@ -240,30 +244,56 @@ class DeformBench {
   double all_weights_ms_ = 0;
 };
 
-Expected<void> bench_deform(const DeformBenchOptions& options) {
-  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
-  SdkCall call;
-  if (options.meshes.empty()) {
-    constexpr int kRounds = 6;
-    return DeformBench("creature", creature(kRounds), options).run(call);
+class DeformBench {
+ public:
+  explicit DeformBench(DeformBenchOptions options) : options_(std::move(options)) {}
+
+  Expected<void> run() {
+    const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+    std::string section;
+    return run_sections(*this, kSections, options_.only, call_, section);
   }
-  for (const std::string& file : options.meshes) {
-    const auto mesh = ours(sdk::read_mesh(file, {}, call.task()));
-    if (!mesh) return tl::unexpected(mesh.error());
-    if (auto done = DeformBench(std::filesystem::path(file).filename().string(), *mesh, options).run(call); !done)
-      return done;
-    if (call.interrupted()) return fail("stopped on request");
+  /// The names of the experiments, in their order.
+  [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
+
+ private:
+  static const Sections<DeformBench, 2> kSections;
+
+  Expected<void> times() {
+    if (options_.meshes.empty()) {
+      constexpr int kRounds = 6;
+      return MeshBench("creature", creature(kRounds), options_).run(call_);
+    }
+    for (const std::string& file : options_.meshes) {
+      const auto mesh = ours(sdk::read_mesh(file, {}, call_.task()));
+      if (!mesh) return tl::unexpected(mesh.error());
+      if (auto done = MeshBench(std::filesystem::path(file).filename().string(), *mesh, options_).run(call_); !done)
+        return done;
+      if (call_.interrupted()) return fail("stopped on request");
+    }
+    return {};
   }
-  return {};
-}
+  Expected<void> tubes() { return bench_tubes({options_.json}, call_); }
+
+  DeformBenchOptions options_;
+  SdkCall call_;
+};
+
+constexpr Sections<DeformBench, 2> DeformBench::kSections = {
+    {{"times", &DeformBench::times}, {"tubes", &DeformBench::tubes}}};
 
 }  // namespace
 
 void add_bench_deform(CLI::App& bench, Run& run) {
   auto options = std::make_shared<DeformBenchOptions>();
-  CLI::App* command = bench.add_subcommand(
-      "deform", "Time of deforming meshes by their spheres, on one core; the fastest of some rounds.");
+  CLI::App* command = bench.add_subcommand("deform",
+                                           "Time of deforming meshes by their spheres, on one core; the fastest of "
+                                           "some rounds. And how well tubes keep their "
+                                           "volume where they are bent.");
   command->add_option("MESH", options->meshes, "triangle meshes; a generated one of 41,000 vertices if left out");
+  command->add_option("--only", options->only, "some of the experiments")
+      ->delimiter(',')
+      ->check(CLI::IsMember(DeformBench::sections()));
   command->add_option("--spheres", options->spheres, "of the level that moves the mesh")
       ->check(CLI::Range(2, 10'000))
       ->capture_default_str();
@@ -278,8 +308,8 @@ void add_bench_deform(CLI::App& bench, Run& run) {
       "Goals: factor 150 ms and a level 5 ms at 43,000 vertices; frame 2 ms and refit 5 ms at 100,000, 50 spheres.\n"
       "The baselines are programs of this benchmark: heat weights that factor anew for each level, and bounded\n"
       "biharmonic weights by an active set.\n\n"
-      "Example:\n  armature bench deform armadillo.obj dragon.ply");
-  command->callback([options, &run] { run = [options] { return bench_deform(*options); }; });
+      "Example:\n  armature bench deform armadillo.obj dragon.ply --only times");
+  command->callback([options, &run] { run = [options] { return DeformBench(*options).run(); }; });
 }
 
 }  // namespace armature::tools

@@ -197,8 +197,8 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   command
       ->add_option(
           "--compactness", options->compactness,
-          "join regions that lie close together first: 0.01 cuts straight tubes across, as bends want it, not along "
-          "(default: 0.01 for meshes that would be cut along in large part, else 0)")
+          "how much it counts how far points lie from their sphere: 0.01 cuts straight tubes across, as bends want it, "
+          "not along (default: 0.01 for meshes that would be cut along in large part, else 0)")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--keep-topology", options->keep_topology, "only collapses that keep the topology of the mesh")
       ->excludes(enrich);

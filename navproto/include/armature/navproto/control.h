@@ -27,7 +27,9 @@ class ControlServer {
   /// Carries a request out and says what holds then.
   using Handler = std::function<ControlReply(const ControlRequest&)>;
 
-  /// Binds `control` of endpoints_of(endpoint); fails as Publisher::bind does, and for tcp unless it is allowed.
+  /// Binds `control` of endpoints_of(endpoint); fails as Publisher::bind does, and for tcp unless it is allowed. There
+  /// is room for 16 clients who may change something and 16 who may only ask, half of either for one user, but all for
+  /// root and the server's own.
   [[nodiscard]] static Expected<ControlServer> bind(std::string_view endpoint, ControlServerOptions options = {});
   ~ControlServer();
   ControlServer(ControlServer&&) noexcept;

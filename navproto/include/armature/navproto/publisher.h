@@ -43,6 +43,7 @@ class Publisher {
  public:
   /// Binds the sockets `navigation`, `skeleton` and `events` of endpoints_of(endpoint). Fails in one line where the
   /// endpoint is malformed, its directory missing, or a live publisher has it; what a killed one left is taken over.
+  /// Each socket has room for 96 subscribers, half of it for those of one user, or over tcp of one address.
   [[nodiscard]] static Expected<Publisher> bind(std::string_view endpoint, PublisherOptions options = {});
 
   ~Publisher();  ///< hands out what is queued, for at most 250 ms

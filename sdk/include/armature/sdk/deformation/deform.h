@@ -25,8 +25,10 @@ struct DeformOptions {
   HeatOptions heat = {};                          ///< how weights spread
   WeightSource weights = WeightSource::Clusters;  ///< where they start from
   Blend blend = Blend::DualQuaternions;           ///< how motions are blended
-  /// Where spheres only turn, by dual quaternions, a closed mesh has the volume afterwards that it had: see
-  /// `SkinnedLevel::move()`.
+  /// Where spheres only turn, each about an axis no farther away than all of them are long, by dual quaternions, a
+  /// closed mesh has the volume afterwards that it had: see `SkinnedLevel::move()`. `deform()` takes its moves
+  /// together: each of them has to be such turns, or what they come to. A session judges each move by itself, on the
+  /// mesh as it then is.
   bool keep_volume = true;
 };
 

@@ -17,7 +17,7 @@ namespace armature::sdk {
 enum class Volume : std::uint8_t {
   Free,
   KeptByTurns,  ///< kept where spheres only turn
-  Kept,         ///< kept unless radii swell: for motions that are several turns, one after the other
+  Kept,         ///< kept unless spheres scale or swell: for motions that are several turns, one after the other
 };
 
 class KeptVolume;
@@ -40,9 +40,10 @@ class SkinnedLevel {
   /// first time that a sphere swells, what it reaches is looked at. Not thread-safe.
   ///
   /// With dual quaternions and a volume to keep, a closed mesh has the volume afterwards that it had, as far as that
-  /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most half of the
-  /// spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays. `Volume::KeptByTurns` does
-  /// so where spheres `only_turn()`; what shifts, screws, stretches or swells means to change the volume.
+  /// goes: where turns blend, which bulges or thins it, the surface moves along its normals, by at most three
+  /// quarters of the spheres' radius (after von Funck, Theisel, Seidel 2008). What turns as a whole stays.
+  /// `Volume::KeptByTurns` does so where spheres `only_turn()`; what shifts, screws, stretches or swells means to
+  /// change the volume.
   void move(std::span<const SphereMotion> motions, Blend blend, std::span<Eigen::Vector3d> out,
             Volume volume = Volume::Free);
 

@@ -32,7 +32,10 @@ struct HierarchyOptions {
   /// planes, squared. The planes of a straight tube touch a sphere within it wherever that is, so that they alone cut
   /// it along, into staves whose spheres all lie at its middle: 0.01 cuts it across, as bends want it. It changes the
   /// order of collapses, not the spheres of regions. Nothing: 0, or 0.01 where a tenth of the mesh would else be staves
-  /// at the level of 20 spheres; such a mesh is decimated twice.
+  /// at the level of 20 spheres; such a mesh is decimated twice. To see that, decimation goes on to this level, if
+  /// `stop_at` is more, and what is beyond is dropped: up to twice the time. It is 0 without a look where the mesh has
+  /// fewer than 200 vertices, `stop_at` is more than a tenth of them or more than 20 spheres are pinned, and 0 where
+  /// topology or labels end the hierarchy before 20.
   std::optional<double> compactness = std::nullopt;
   /// Collapses are ranked by how much they add to the error of all regions, the sum that is to be small (equation 4.3);
   /// else, as in the thesis, by the error of the region that they make.
@@ -71,7 +74,7 @@ struct HierarchyOptions {
 /// What a build took.
 struct BuildStatistics {
   double init_ms = 0;         ///< topology, quadrics, the first queue
-  double decimate_ms = 0;     ///< all collapses
+  double decimate_ms = 0;     ///< all collapses, those that were dropped again included
   std::size_t collapses = 0;  ///< pairs of spheres joined
   double compactness = 0;     ///< that of the options, or what was found
 };
@@ -86,7 +89,9 @@ struct HierarchyBuild {
 /// same measure until one is left: the complete hierarchy, unless `stop_at`, `keep_topology`, labels or pins end it
 /// before. Any mesh will do: non-manifold, open, degenerate, inside out (for the computation a component of negative
 /// volume is turned over together with what lies within it, unless it is itself within another). A vertex on no
-/// triangle is a sphere of radius 0. Deterministic. Fails for options out of range and meshes without vertices.
+/// triangle is a sphere of radius 0. Deterministic. The task is told of the stages "decimating" and, where
+/// `compactness` is left out, "looking for staves" and "decimating across". Fails for options out of range and meshes
+/// without vertices.
 [[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
                                                        const Task& task = {});
 
