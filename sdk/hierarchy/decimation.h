@@ -144,12 +144,12 @@ class Decimation {
   static constexpr double kPatience = 4;
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {
-    kStale = 1,   // its ends have changed since its cost was found
-    kWaits = 2,   // not in the queue until something changes nearby
-    kTaken = 4,   // in a group of this step
-    kOut = 8,     // so, and no longer in the queue
-    kAlone = 16,  // has waited for counterparts in vain
-    kRest = 32    // in rest_
+    Stale = 1,   // its ends have changed since its cost was found
+    Waits = 2,   // not in the queue until something changes nearby
+    Taken = 4,   // in a group of this step
+    Out = 8,     // so, and no longer in the queue
+    Alone = 16,  // has waited for counterparts in vain
+    Rest = 32    // in rest_
   };
 
   [[nodiscard]] static std::uint32_t key_of(double cost) noexcept {
@@ -175,8 +175,8 @@ class Decimation {
   void catch_up();
   /// Has an edge collapsed in the next step.
   void postpone(std::uint32_t edge) {
-    if ((complex_.note(edge) & kRest) != 0) return;
-    complex_.note(edge) |= kRest;
+    if ((complex_.note(edge) & Rest) != 0) return;
+    complex_.note(edge) |= Rest;
     rest_.push_back({edge, complex_.edge(edge)});
   }
   /// Appends to `ready_` the collapses of all edges between slots of two kinds, but one edge; whether each of those
@@ -200,8 +200,8 @@ class Decimation {
   CollapseComplex::Merged perform(Ready& ready);
   void refresh(const CollapseComplex::Merged& merged);
   void wake(std::uint32_t edge) {
-    if ((complex_.note(edge) & kWaits) == 0) return;
-    complex_.note(edge) &= static_cast<std::uint8_t>(~kWaits);
+    if ((complex_.note(edge) & Waits) == 0) return;
+    complex_.note(edge) &= static_cast<std::uint8_t>(~Waits);
     queue_.push(entry(edge));
   }
   [[nodiscard]] bool flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to) const noexcept;
@@ -243,7 +243,7 @@ bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Ve
 template <class Metric>
 void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
   for (const auto e : merged.edges) {
-    complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | kStale) & ~kAlone);
+    complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | Stale) & ~Alone);
     if ((complex_.key(e) & kPenalty) != 0) {
       complex_.key(e) &= ~kPenalty;
       queue_.push(entry(e));
@@ -263,8 +263,8 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       queue_.pop();
       continue;
     }
-    if ((complex_.note(edge) & kTaken) != 0) {
-      complex_.note(edge) |= kOut;
+    if ((complex_.note(edge) & Taken) != 0) {
+      complex_.note(edge) |= Out;
       queue_.pop();
       continue;
     }
@@ -272,8 +272,8 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
     const auto [a, b] = complex_.edge(edge);
     ready.edge = edge;
     ready.fit = metric_.fit(a, b);
-    if ((complex_.note(edge) & kStale) != 0) {
-      complex_.note(edge) &= static_cast<std::uint8_t>(~kStale);
+    if ((complex_.note(edge) & Stale) != 0) {
+      complex_.note(edge) &= static_cast<std::uint8_t>(~Stale);
       complex_.key(edge) = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
       if (complex_.key(edge) >= kForbidden) {
         queue_.pop();
@@ -283,7 +283,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       if (queue_.top() != entry(edge)) continue;
     }
     if (options_.keep_topology && !complex_.keeps_topology(edge)) {
-      complex_.note(edge) |= kWaits;
+      complex_.note(edge) |= Waits;
       queue_.pop();
       continue;
     }

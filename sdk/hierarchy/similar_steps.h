@@ -28,15 +28,15 @@ bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready) {
   if (!options_.labels.empty() && options_.labels[a] != options_.labels[b]) return false;
   ready = {.edge = edge, .fit = metric_.fit(a, b)};
   std::uint32_t key = complex_.key(edge) & ~kPenalty;
-  if ((complex_.note(edge) & kStale) != 0) {
-    complex_.note(edge) &= static_cast<std::uint8_t>(~kStale);
+  if ((complex_.note(edge) & Stale) != 0) {
+    complex_.note(edge) &= static_cast<std::uint8_t>(~Stale);
     key = std::max(key, key_of(metric_.cost(a, b, ready.fit)));
   }
   const bool may_be = key < kForbidden;
   if (may_be && options_.penalise_flips && flips(a, b, metric_.position(a) + ready.fit.centre())) key |= kPenalty;
   if (key != complex_.key(edge)) {
     complex_.key(edge) = key;
-    if (may_be && (complex_.note(edge) & kWaits) == 0) queue_.push(entry(edge));
+    if (may_be && (complex_.note(edge) & Waits) == 0) queue_.push(entry(edge));
   }
   return may_be && (!options_.keep_topology || complex_.keeps_topology(edge));
 }
@@ -74,7 +74,7 @@ template <class Metric>
 void Decimation<Metric>::close_group(std::size_t first, bool touches) {
   groups_.push_back({.first = first, .count = ready_.size() - first, .touches = touches});
   for (Ready& member : std::span(ready_).subspan(first)) {
-    complex_.note(member.edge) |= kTaken;
+    complex_.note(member.edge) |= Taken;
     member.touches = touches;
     if (touches) member.slots = complex_.edge(member.edge);
   }
@@ -100,6 +100,7 @@ std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) cons
     root[root_of(a)] = root_of(b);
   }
   std::vector<std::pair<std::size_t, std::uint32_t>> by_root;
+  by_root.reserve(slots.size());
   for (const auto slot : slots) by_root.emplace_back(root_of(slot), slot);
   std::ranges::sort(by_root);
   std::uint32_t key = 0;
@@ -139,13 +140,13 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     std::uint32_t due = complex_.key(ready.edge);
     for (std::size_t k = first; k < ready_.size(); ++k) due = std::max(due, complex_.key(ready_[k].edge));
     if (touches) due = std::max(due, joint);
-    if (!whole && (complex_.note(ready.edge) & kAlone) == 0) {
+    if (!whole && (complex_.note(ready.edge) & Alone) == 0) {
       const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
       due = key_of(kPatience * cost) | (due & kPenalty);
-      for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= kAlone;
+      for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= Alone;
     }
     if (due == complex_.key(ready.edge)) {
-      complex_.note(ready.edge) |= kOut;
+      complex_.note(ready.edge) |= Out;
       close_group(first, touches);
       return true;
     }
@@ -177,7 +178,7 @@ bool Decimation<Metric>::take_rest(std::uint32_t most) {
   for (const Left& left : rest) {
     const std::uint32_t edge = edge_of(left);
     if (edge == kNoIndex) continue;
-    complex_.note(edge) &= static_cast<std::uint8_t>(~kRest);
+    complex_.note(edge) &= static_cast<std::uint8_t>(~Rest);
     Ready ready;
     if (ready_.size() == most || !independent(edge)) {
       postpone(edge);
@@ -250,8 +251,8 @@ void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
 
 template <class Metric>
 void Decimation<Metric>::give_back(std::uint32_t edge) {
-  if ((complex_.note(edge) & kOut) != 0 && (complex_.key(edge) & ~kPenalty) < kForbidden) queue_.push(entry(edge));
-  complex_.note(edge) &= static_cast<std::uint8_t>(~(kTaken | kOut));
+  if ((complex_.note(edge) & Out) != 0 && (complex_.key(edge) & ~kPenalty) < kForbidden) queue_.push(entry(edge));
+  complex_.note(edge) &= static_cast<std::uint8_t>(~(Taken | Out));
 }
 
 template <class Metric>
