@@ -29,22 +29,28 @@ float wrapped(float angle) {
 /// to zero the step fades, so that noise in the sum cannot throw it from forward to backward.
 constexpr float kStepDirectionSpan = 0.10F;
 
+/// The arc tangent of y / x in its quadrant. Found in double precision and rounded, it is the same on all processors:
+/// atan2f is not, its last bit depends on whether products are fused into sums.
+float angle_of(float y, float x) {
+  return static_cast<float>(std::atan2(static_cast<double>(y), static_cast<double>(x)));
+}
+
 /// Heading of a vector from the right to the left side, counter-clockwise seen from above.
 /// Left turning backwards is counter-clockwise: z decreases as x stays positive.
 float heading(const Vector3f& v) {
-  return std::atan2(-v.z(), v.x());
+  return angle_of(-v.z(), v.x());
 }
 
 /// Angle of an upright vector towards the person's left and towards the front.
 float towards_left(const Vector3f& v) {
-  return std::atan2(v.x(), v.y());
+  return angle_of(v.x(), v.y());
 }
 float towards_front(const Vector3f& v) {
-  return std::atan2(v.z(), v.y());
+  return angle_of(v.z(), v.y());
 }
 /// Angle of a hanging vector (from P down to a hip) towards the person's left.
 float swung_left(const Vector3f& v) {
-  return std::atan2(v.x(), -v.y());
+  return angle_of(v.x(), -v.y());
 }
 
 /// The joints each motion is read from. (The user position P counts through the hips it is anchored beside.)
