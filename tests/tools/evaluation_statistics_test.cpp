@@ -24,6 +24,12 @@ TEST(EvaluationStatistics, CorrelationIgnoresOffsetAndScaleAndIsZeroForAConstant
   EXPECT_EQ(correlation(a, constant), 0);
 }
 
+TEST(EvaluationStatistics, SlopeIsOfTheSecondOverTheFirst) {
+  const std::vector<double> x = {1, 2, 3, 4}, y = {12, 14, 16, 18}, constant = {7, 7, 7, 7};
+  EXPECT_NEAR(slope(x, y), 2, 1e-12);
+  EXPECT_EQ(slope(constant, y), 0);
+}
+
 TEST(EvaluationStatistics, AveragePrecisionRewardsConfidenceInWhatIsRight) {
   std::vector<Detection> sure_of_the_right_one = {{0.2, false}, {0.9, true}};
   std::vector<Detection> sure_of_the_wrong_one = {{0.9, false}, {0.2, true}};

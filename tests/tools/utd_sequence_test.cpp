@@ -12,6 +12,7 @@ TEST(UtdSequence, ARecordingComesWithAPersonAndHerJointsWhereTheDepthShowsHer) {
   const auto sequence = read_utd_sequence(kFolder, "a1_s1_t1");
   ASSERT_TRUE(sequence.has_value()) << sequence.error().message;
   EXPECT_EQ(sequence->action, 1);
+  EXPECT_EQ(sequence->person, 1);
   ASSERT_GT(sequence->frame_count(), 30U);
   const Eigen::Vector3f spine = sequence->joints[10][static_cast<std::size_t>(SdkJoint::Spine)];
   const Intrinsics& k = sequence->intrinsics;

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <numbers>
 
+#include "tools/evaluation/sdk_imitation.h"
 #include "tools/evaluation/statistics.h"
+#include "tools/evaluation/surface_turn.h"
 #include "tools/evaluation/utd_sequence.h"
 #include "tracker/joints/skeleton_filter.h"
 #include "tracker/motions/receptors.h"
@@ -71,25 +73,30 @@ RestPose rest_of(const std::vector<Skeleton>& frames) {
   return rest;
 }
 
+using Angles = std::vector<double>;  // of one motion, a number a frame
+
+PerMotion<Angles> angles_of(const std::vector<Skeleton>& frames) {
+  const RestPose rest = rest_of(frames);
+  PerMotion<Angles> out;
+  for (const Skeleton& frame : frames) {
+    const MotionAngles angles = motion_angles(frame, rest);
+    for (std::size_t m = 0; m < kMotionCount; ++m) out[m].push_back(angles.angle_rad[m]);
+  }
+  return out;
+}
+
+double span_of(const Angles& angles) {
+  const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+  return *high - *low;
+}
+
 /// The motion angles of two skeletons over a sequence, compared.
 struct AngleComparison {
   PerMotion<double> our_span_rad{}, sdk_span_rad{}, correlation{};
 };
 
 AngleComparison compare_angles(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk) {
-  const auto span_of = [](const std::vector<double>& angles) {
-    const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
-    return *high - *low;
-  };
-  const RestPose our_rest = rest_of(ours), sdk_rest = rest_of(sdk);
-  PerMotion<std::vector<double>> our_angles, sdk_angles;
-  for (std::size_t t = 0; t < ours.size(); ++t) {
-    const MotionAngles a = motion_angles(ours[t], our_rest), b = motion_angles(sdk[t], sdk_rest);
-    for (std::size_t m = 0; m < kMotionCount; ++m) {
-      our_angles[m].push_back(a.angle_rad[m]);
-      sdk_angles[m].push_back(b.angle_rad[m]);
-    }
-  }
+  const PerMotion<Angles> our_angles = angles_of(ours), sdk_angles = angles_of(sdk);
   AngleComparison out;
   for (std::size_t m = 0; m < kMotionCount; ++m) {
     out.our_span_rad[m] = span_of(our_angles[m]);
@@ -99,11 +106,18 @@ AngleComparison compare_angles(const std::vector<Skeleton>& ours, const std::vec
   return out;
 }
 
+AngleCorrelation summary(std::vector<double> correlations) {
+  return {.mean = mean(correlations),
+          .median = percentile(correlations, 50),
+          .sequences = static_cast<int>(correlations.size())};
+}
+
 /// Gathers agreement over sequences.
 class Agreement {
  public:
   /// Returns the median deviation in this sequence.
-  double add(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk, const AngleComparison& angles) {
+  double add(const std::vector<Skeleton>& ours, const std::vector<Skeleton>& sdk) {
+    const AngleComparison angles = compare_angles(ours, sdk);
     std::vector<double> here;
     for (std::size_t j = 0; j < kJoints; ++j) {
       Eigen::Vector3f offset = Eigen::Vector3f::Zero();
@@ -143,9 +157,7 @@ class Agreement {
     out.knees = {percentile(knees, 50), percentile(knees, 90)};
     out.within_15_cm = total == 0 ? 0 : static_cast<double>(near) / static_cast<double>(total);
     for (std::size_t m = 0; m < kMotionCount; ++m) {
-      out.correlation[m] = {.mean = mean(correlations_[m]),
-                            .median = percentile(correlations_[m], 50),
-                            .sequences = static_cast<int>(correlations_[m].size())};
+      out.correlation[m] = summary(correlations_[m]);
     }
     return out;
   }
@@ -160,6 +172,111 @@ class Agreement {
   PerMotion<std::vector<double>> correlations_;
 };
 
+/// A recording, tracked.
+struct Tracked {
+  SeenTwice seen;
+  std::vector<std::optional<double>> shoulders_turn, hips_turn;  // of the surface, a frame
+};
+
+/// Looks where both see the trunk in the middle, so that neither is favoured.
+void add_surface_turns(const DepthView& frame, std::span<const std::uint8_t> mask, Tracked& to) {
+  Skeleton middle = to.seen.ours.back();
+  for (const JointId id : kNavigationJoints) {
+    middle[id].position = 0.5F * (middle[id].position + to.seen.sdk.back()[id].position);
+  }
+  to.shoulders_turn.push_back(surface_turn(frame, mask, shoulder_strip(middle)));
+  to.hips_turn.push_back(surface_turn(frame, mask, hip_strip(middle)));
+}
+
+Angles smoothed(const Angles& angles) {
+  Angles out;
+  const auto n = std::ssize(angles);
+  for (std::ptrdiff_t t = 0; t < n; ++t) {
+    double sum = 0;
+    for (std::ptrdiff_t i = t - 2; i <= t + 2; ++i) {
+      sum += angles[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, n - 1))];
+    }
+    out.push_back(sum / 5);
+  }
+  return out;
+}
+
+/// Gathers how turns about the vertical agree with the surface's.
+class SurfaceComparison {
+ public:
+  void add(const std::vector<std::optional<double>>& surface, const Angles& ours, const Angles& sdk) {
+    if (span_of(sdk) <= kMinSpan_rad) return;
+    Angles seen, our_seen, sdk_seen;
+    for (std::size_t t = 0; t < surface.size(); ++t) {
+      if (!surface[t]) continue;
+      seen.push_back(*surface[t]);
+      our_seen.push_back(ours[t]);
+      sdk_seen.push_back(sdk[t]);
+    }
+    if (seen.empty()) return;
+    seen = smoothed(seen);
+    ours_.add(smoothed(our_seen), seen);
+    sdk_.add(smoothed(sdk_seen), seen);
+  }
+
+  [[nodiscard]] SurfaceAgreement result() {
+    return {.ours = summary(ours_.correlations),
+            .sdk = summary(sdk_.correlations),
+            .share_of_ours = percentile(ours_.shares, 50),
+            .share_of_sdk = percentile(sdk_.shares, 50)};
+  }
+
+ private:
+  struct Side {
+    std::vector<double> correlations, shares;
+
+    void add(const Angles& turn, const Angles& surface) {
+      correlations.push_back(correlation(surface, turn));
+      shares.push_back(slope(turn, surface));
+    }
+  };
+  Side ours_, sdk_;
+};
+
+/// What each of the evaluated recordings says of agreement.
+void find_agreement(std::span<const Tracked> recordings, RealEvaluation& result) {
+  Agreement as_is, late, calm, calm_late, imitating, imitating_calm_late;
+  SurfaceComparison shoulders, hips;
+  std::vector<SeenTwice> seen;
+  for (const Tracked& recording : recordings) seen.push_back(recording.seen);
+  for (SeenTwice& one : seen) one.sdk = delayed(one.sdk);
+  const std::vector<std::vector<Skeleton>> imitations = imitate_sdk(seen);
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const std::vector<Skeleton>&ours = recordings[i].seen.ours, &sdk = recordings[i].seen.sdk;
+    const std::vector<Skeleton>& sdk_later = seen[i].sdk;
+    const AngleComparison angles = compare_angles(ours, sdk);
+    SequenceAgreement& sequence = result.sequences[i];
+    sequence.sdk_span_rad = angles.sdk_span_rad;
+    sequence.our_span_rad = angles.our_span_rad;
+    sequence.correlation = angles.correlation;
+    sequence.correlation_delayed = compare_angles(ours, sdk_later).correlation;
+    sequence.median_m = as_is.add(ours, sdk);
+    late.add(ours, sdk_later);
+    const std::vector<Skeleton> published = filtered(ours);
+    calm.add(published, sdk);
+    calm_late.add(published, sdk_later);
+    imitating.add(imitations[i], sdk);
+    imitating_calm_late.add(filtered(imitations[i]), sdk_later);
+    const PerMotion<Angles> our_angles = angles_of(ours), sdk_angles = angles_of(sdk);
+    constexpr std::size_t kShoulders = index(MotionId::RotateShoulders), kHips = index(MotionId::RotateHips);
+    shoulders.add(recordings[i].shoulders_turn, our_angles[kShoulders], sdk_angles[kShoulders]);
+    hips.add(recordings[i].hips_turn, our_angles[kHips], sdk_angles[kHips]);
+  }
+  result.as_is = as_is.result();
+  result.delayed = late.result();
+  result.filtered = calm.result();
+  result.filtered_delayed = calm_late.result();
+  result.imitating = imitating.result();
+  result.imitating_filtered_delayed = imitating_calm_late.result();
+  result.shoulders_surface = shoulders.result();
+  result.hips_surface = hips.result();
+}
+
 }  // namespace
 
 Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::filesystem::path& folder,
@@ -167,7 +284,7 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
   const auto names = list_utd_sequences(folder);
   if (!names) return tl::unexpected(names.error());
   RealEvaluation result;
-  Agreement as_is, late, calm, calm_late;
+  std::vector<Tracked> recordings;
   std::vector<double> frame_us;
   std::size_t tracked = 0, observed = 0;
   for (std::size_t i = 0; i < names->size(); ++i) {
@@ -177,19 +294,23 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
     if (!all_actions && std::find(kActions.begin(), kActions.end(), sequence->action) == kActions.end()) continue;
     if (sequence->frame_count() == 0) continue;
 
-    std::vector<Skeleton> ours, sdk;
+    Tracked& recording = recordings.emplace_back();
+    recording.seen.person = sequence->person;
+    std::vector<Skeleton>& ours = recording.seen.ours;
     std::vector<std::uint8_t> mask;
     tracker.reset(sequence->intrinsics);
     for (std::size_t t = 0; t < sequence->frame_count(); ++t) {
       const auto depth = sequence->frame(t);
+      const DepthView frame{
+          .depth_mm = depth, .intrinsics = sequence->intrinsics, .sequence = t, .sensor = {}, .host = {}};
       mask.assign(depth.size(), 0);
       std::transform(depth.begin(), depth.end(), mask.begin(), [](std::uint16_t d) { return d != 0 ? 1 : 0; });
       const auto start = std::chrono::steady_clock::now();
-      ours.push_back(tracker.track(
-          {.depth_mm = depth, .intrinsics = sequence->intrinsics, .sequence = t, .sensor = {}, .host = {}}, mask));
+      ours.push_back(tracker.track(frame, mask));
       frame_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
       ours.back().user_position = ours.back()[JointId::Torso].position;
-      sdk.push_back(from_sdk(sequence->joints[t]));
+      recording.seen.sdk.push_back(from_sdk(sequence->joints[t]));
+      add_surface_turns(frame, mask, recording);
       bool whole = true;
       for (const JointId id : kNavigationJoints) {
         whole = whole && ours.back()[id].state != JointState::Lost;
@@ -197,29 +318,13 @@ Expected<RealEvaluation> evaluate_real(const MaskedTracker& tracker, const std::
       }
       tracked += whole ? 1 : 0;
     }
-    const std::vector<Skeleton> sdk_later = delayed(sdk);
-    const AngleComparison angles = compare_angles(ours, sdk), angles_later = compare_angles(ours, sdk_later);
-    const double median_m = as_is.add(ours, sdk, angles);
-    late.add(ours, sdk_later, angles_later);
-    const std::vector<Skeleton> published = filtered(ours);
-    calm.add(published, sdk, compare_angles(published, sdk));
-    calm_late.add(published, sdk_later, compare_angles(published, sdk_later));
-    result.sequences.push_back({.name = sequence->name,
-                                .frames = static_cast<int>(ours.size()),
-                                .median_m = median_m,
-                                .sdk_span_rad = angles.sdk_span_rad,
-                                .our_span_rad = angles.our_span_rad,
-                                .correlation = angles.correlation,
-                                .correlation_delayed = angles_later.correlation});
+    result.sequences.push_back({.name = sequence->name, .frames = static_cast<int>(ours.size())});
     result.frames += static_cast<int>(ours.size());
   }
   if (result.frames == 0) return fail(folder.string() + ": no recordings of the actions to evaluate");
   result.frames_tracked = static_cast<double>(tracked) / result.frames;
   result.joints_observed = static_cast<double>(observed) / (result.frames * static_cast<double>(kJoints));
-  result.as_is = as_is.result();
-  result.delayed = late.result();
-  result.filtered = calm.result();
-  result.filtered_delayed = calm_late.result();
+  find_agreement(recordings, result);
   result.p50_us = percentile(frame_us, 50);
   result.p99_us = percentile(frame_us, 99);
   return result;

@@ -35,6 +35,13 @@ struct RealAgreement {
   PerMotion<AngleCorrelation> correlation{};
 };
 
+/// How turns of the trunk correlate with those of its surface, which no joints are needed for (surface_turn.h), over
+/// the sequences in which the SDK's angle spans more than 10 degrees. All means over five frames.
+struct SurfaceAgreement {
+  AngleCorrelation ours, sdk;
+  double share_of_ours = 0, share_of_sdk = 0;  ///< of either turn, what the surface shows of it; median over sequences
+};
+
 /// One sequence, for looking closer.
 struct SequenceAgreement {
   std::string name;
@@ -54,7 +61,10 @@ struct RealEvaluation {
   RealAgreement as_is;
   RealAgreement delayed;  ///< the SDK's joints 1.5 frames later, which is when the depth shows what they say
   RealAgreement filtered, filtered_delayed;  ///< the same of the skeleton that is published: through SkeletonFilter
-  double p50_us = 0, p99_us = 0;             ///< forest and joints, a frame
+  /// What would be had by imitating the SDK (sdk_imitation.h): as is, and filtered with the SDK delayed.
+  RealAgreement imitating, imitating_filtered_delayed;
+  SurfaceAgreement shoulders_surface, hips_surface;
+  double p50_us = 0, p99_us = 0;  ///< forest and joints, a frame
 };
 
 /// Joints of a person whose pixels are known, whoever finds them.

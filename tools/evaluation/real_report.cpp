@@ -22,15 +22,24 @@ Json to_json(const JointDeviation& d) {
   return {{"median_m", number(d.median_m)}, {"p90_m", number(d.p90_m)}};
 }
 
+Json to_json(const AngleCorrelation& c) {
+  return {{"mean", number(c.mean)}, {"median", number(c.median)}, {"sequences", c.sequences}};
+}
+
+Json to_json(const SurfaceAgreement& agreement) {
+  return {{"ours", to_json(agreement.ours)},
+          {"sdk", to_json(agreement.sdk)},
+          {"share_of_ours", number(agreement.share_of_ours)},
+          {"share_of_sdk", number(agreement.share_of_sdk)}};
+}
+
 Json to_json(const RealAgreement& agreement) {
   Json joints, motions;
   for (std::size_t j = 0; j < kNavigationJoints.size(); ++j) {
     joints[name(kNavigationJoints[j])] = to_json(agreement.joints[j]);
   }
   for (std::size_t m = 0; m < kMotionCount; ++m) {
-    const AngleCorrelation& c = agreement.correlation[m];
-    motions[std::string(kMotionNames[m])] = {
-        {"mean", number(c.mean)}, {"median", number(c.median)}, {"sequences", c.sequences}};
+    motions[std::string(kMotionNames[m])] = to_json(agreement.correlation[m]);
   }
   return {{"all", to_json(agreement.all)},
           {"knees", to_json(agreement.knees)},
@@ -50,7 +59,10 @@ Json to_json(const RealEvaluation& real, const char* system) {
           {"as_is", to_json(real.as_is)},
           {"sdk_delayed", to_json(real.delayed)},
           {"filtered", to_json(real.filtered)},
-          {"filtered_sdk_delayed", to_json(real.filtered_delayed)}};
+          {"filtered_sdk_delayed", to_json(real.filtered_delayed)},
+          {"imitating", to_json(real.imitating)},
+          {"imitating_filtered_sdk_delayed", to_json(real.imitating_filtered_delayed)},
+          {"surface", {{"shoulders", to_json(real.shoulders_surface)}, {"hips", to_json(real.hips_surface)}}}};
 }
 
 Json to_json(const SequenceAgreement& sequence, const char* system) {
@@ -95,12 +107,14 @@ void print_real(const RealComparison& real) {
       "  forest and joints, ms a frame: p50 %.2f p99 %.2f (paper: p50 %.2f p99 %.2f)\n",
       ours.sequences.size(), ours.frames, ours.frames_tracked, paper.frames_tracked, ours.joints_observed,
       paper.joints_observed, ours.p50_us / 1000, ours.p99_us / 1000, paper.p50_us / 1000, paper.p99_us / 1000);
-  const std::array<Column, 6> columns = {{{"ours as is", ours.as_is},
+  const std::array<Column, 8> columns = {{{"ours as is", ours.as_is},
                                           {"SDK delayed", ours.delayed},
                                           {"ours filtered", ours.filtered},
                                           {"SDK delayed", ours.filtered_delayed},
                                           {"paper as is", paper.as_is},
-                                          {"SDK delayed", paper.delayed}}};
+                                          {"SDK delayed", paper.delayed},
+                                          {"imitating *", ours.imitating},
+                                          {"filt., delayed *", ours.imitating_filtered_delayed}}};
   const auto head = [&](const char* row, const auto& cell) {
     std::printf("  %-18s", row);
     for (const Column& column : columns) std::printf("%17s", cell(column));
@@ -127,6 +141,23 @@ void print_real(const RealComparison& real) {
     }
     std::printf("%12d\n", ours.as_is.correlation[m].sequences);
   }
+  std::printf(
+      "  * moved by a regression that learned from the SDK's joints of the other people how it sees ours: what "
+      "imitating\n"
+      "    the SDK would give, as is, and filtered with the SDK delayed; nothing like it is part of the model\n");
+  std::printf(
+      "  turn of the surface itself, which knows no joints: correlation, mean / median, and its share of the turn\n");
+  const auto print_surface = [](const char* row, const SurfaceAgreement& surface) {
+    const auto side = [](const char* whose, const AngleCorrelation& c, double share) {
+      std::printf("   %s %5.2f / %4.2f, share %4.2f", whose, c.mean, c.median, share);
+    };
+    std::printf("  %-18s", row);
+    side("ours", surface.ours, surface.share_of_ours);
+    side("the SDK", surface.sdk, surface.share_of_sdk);
+    std::printf("%12d\n", surface.ours.sequences);
+  };
+  print_surface("shoulders", ours.shoulders_surface);
+  print_surface("hips", ours.hips_surface);
 }
 
 Expected<void> write_real_json(const RealComparison& real) {

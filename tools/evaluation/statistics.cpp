@@ -5,6 +5,25 @@
 #include <numeric>
 
 namespace armature::tools {
+namespace {
+
+/// Sums of products of what two lists are beside their means.
+struct Products {
+  double aa = 0, bb = 0, ab = 0;
+};
+
+Products products(std::span<const double> a, std::span<const double> b) {
+  const double mean_a = mean(a), mean_b = mean(b);
+  Products sums;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sums.aa += (a[i] - mean_a) * (a[i] - mean_a);
+    sums.bb += (b[i] - mean_b) * (b[i] - mean_b);
+    sums.ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return sums;
+}
+
+}  // namespace
 
 double percentile(std::vector<double>& values, double p) {
   if (values.empty()) return 0;
@@ -20,14 +39,13 @@ double mean(std::span<const double> values) {
 }
 
 double correlation(std::span<const double> a, std::span<const double> b) {
-  const double mean_a = mean(a), mean_b = mean(b);
-  double aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    aa += (a[i] - mean_a) * (a[i] - mean_a);
-    bb += (b[i] - mean_b) * (b[i] - mean_b);
-    ab += (a[i] - mean_a) * (b[i] - mean_b);
-  }
-  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+  const Products sums = products(a, b);
+  return sums.aa > 0 && sums.bb > 0 ? sums.ab / std::sqrt(sums.aa * sums.bb) : 0;
+}
+
+double slope(std::span<const double> x, std::span<const double> y) {
+  const Products sums = products(x, y);
+  return sums.aa > 0 ? sums.ab / sums.aa : 0;
 }
 
 double average_precision(std::vector<Detection>& detections, std::size_t truths) {

@@ -13,6 +13,9 @@ namespace armature::tools {
 /// Pearson's; 0 where either side is constant.
 [[nodiscard]] double correlation(std::span<const double> a, std::span<const double> b);
 
+/// By how much `y` rises where `x` rises by one, by the least squares; 0 where `x` is constant.
+[[nodiscard]] double slope(std::span<const double> x, std::span<const double> y);
+
 /// A guess with its confidence, and whether it was right.
 struct Detection {
   double confidence = 0;

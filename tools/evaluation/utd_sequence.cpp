@@ -90,7 +90,10 @@ Expected<UtdSequence> read_utd_sequence(const std::filesystem::path& folder, con
   }
   UtdSequence sequence;
   sequence.name = name;
-  std::istringstream(name.substr(1)) >> sequence.action;
+  char letter = 0;
+  if (!(std::istringstream(name) >> letter >> sequence.action >> letter >> letter >> sequence.person)) {
+    return fail((folder / name).string() + ": a recording's name says action, subject and trial, as in a1_s1_t1");
+  }
   sequence.intrinsics = {kWidth, kHeight, 285.63, 285.63, 160, 120};
   sequence.depth_mm = std::move(*depth);
   sequence.joints = std::move(*joints);

@@ -43,6 +43,7 @@ using SdkJoints = std::array<Eigen::Vector3f, kSdkJointCount>;  ///< metres, cam
 struct UtdSequence {
   std::string name;  ///< aA_sS_tT
   int action = 0;
+  int person = 0;
   Intrinsics intrinsics;
   std::vector<std::uint16_t> depth_mm;  ///< [frame][height][width]
   std::vector<SdkJoints> joints;        ///< [frame]

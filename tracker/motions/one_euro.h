@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,12 +21,14 @@ class BasicOneEuro {
   Value filter(const Value& value, float dt_s, const OneEuroOptions& options) noexcept {
     if (!started_) {
       started_ = true;
-      value_ = value;
+      value_ = last_ = value;
       speed_ = 0 * value;
       return value_;
     }
-    speed_ += smoothing(options.derivative_cutoff_hz, dt_s) * ((value - value_) / dt_s - speed_);
-    const float cutoff_hz = options.min_cutoff_hz + options.speed_coefficient * magnitude(speed_);
+    speed_ += smoothing(options.derivative_cutoff_hz, dt_s) * ((value - last_) / dt_s - speed_);
+    last_ = value;
+    const float cutoff_hz =
+        options.min_cutoff_hz + options.speed_coefficient * std::max(0.0F, magnitude(speed_) - options.noise_speed);
     value_ += smoothing(cutoff_hz, dt_s) * (value - value_);
     return value_;
   }
@@ -43,6 +46,7 @@ class BasicOneEuro {
 
   bool started_ = false;
   Value value_{};
+  Value last_{};  // before the filter
   Value speed_{};
 };
 

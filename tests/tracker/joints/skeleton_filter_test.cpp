@@ -53,6 +53,30 @@ TEST(SkeletonFilter, AFastJointIsHardlyLate) {
   EXPECT_LT(late_m, 1.5F * std::chrono::duration<float>(kFrame).count());
 }
 
+TEST(SkeletonFilter, AJointThatIsLessSureThanUsualIsHeldBackButNotForEver) {
+  SkeletonFilter filter, trusting;
+  for (int t = 0; t < 60; ++t) {
+    (void)filtered(filter, at({0, 0, 2}), t * kFrame);
+    (void)filtered(trusting, at({0, 0, 2}), t * kFrame);
+  }
+  const auto elsewhere = [](float confidence) {
+    Skeleton skeleton = at({0.3F, 0, 2});
+    for (Joint& joint : skeleton.joints) joint.confidence = confidence;
+    return skeleton;
+  };
+  float held = 0, followed = 0;
+  for (int t = 60; t < 70; ++t) {
+    held = filtered(filter, elsewhere(0.1F), t * kFrame)[JointId::LeftKnee].position.x();
+    followed = filtered(trusting, elsewhere(0.7F), t * kFrame)[JointId::LeftKnee].position.x();
+  }
+  EXPECT_LT(held, 0.12F);
+  EXPECT_GT(followed, 0.25F);
+  for (int t = 70; t < 600; ++t) {
+    held = filtered(filter, elsewhere(0), t * kFrame)[JointId::LeftKnee].position.x();
+  }
+  EXPECT_GT(held, 0.25F);
+}
+
 TEST(SkeletonFilter, ALostJointIsLeftAloneAndStartsAnewWhenItIsFound) {
   SkeletonFilter filter;
   for (int t = 0; t < 10; ++t) (void)filtered(filter, at({0, 0, 2}), t * kFrame);
