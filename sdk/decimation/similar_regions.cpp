@@ -28,13 +28,11 @@ SimilarRegions::SimilarRegions(const Descriptor& descriptor, std::span<const std
       place_(descriptor.size(), kNoIndex),
       reference_(width_),
       other_(width_),
-      scratch_(width_),
       looks_(kFirstLooks) {
+  rows_.reserve(descriptor.size() / 2 * width_);  // a region that was joined has two vertices or more
   areas_.reserve(descriptor.size());
-  for (std::size_t v = 0; v < descriptor.size(); ++v) {
-    descriptor.describe(VertexId(v), scratch_);
-    areas_.push_back(static_cast<float>(descriptor.area(scratch_)));
-  }
+  for (std::size_t v = 0; v < descriptor.size(); ++v)
+    areas_.push_back(static_cast<float>(descriptor.area(VertexId(v))));
 }
 
 void SimilarRegions::describe(std::uint32_t slot, std::span<float> out) const {
@@ -47,12 +45,10 @@ void SimilarRegions::describe(std::uint32_t slot, std::span<float> out) const {
 
 void SimilarRegions::describe(std::uint32_t a, std::uint32_t b, std::span<float> out) {
   describe(a, out);
-  if (place_[b] == kNoIndex) {
-    descriptor_.describe(VertexId(b), scratch_);
-    descriptor_.aggregate(out, scratch_);
-  } else {
+  if (place_[b] == kNoIndex)
+    descriptor_.add(out, VertexId(b));
+  else
     descriptor_.aggregate(out, row(place_[b]));
-  }
 }
 
 std::size_t SimilarRegions::begin(std::uint32_t a, std::uint32_t b) {
@@ -62,7 +58,6 @@ std::size_t SimilarRegions::begin(std::uint32_t a, std::uint32_t b) {
 }
 
 double SimilarRegions::dissimilarity(std::uint32_t a, std::uint32_t b) {
-  if (looks_ > 0) --looks_;
   const float area = areas_[a] + areas_[b];
   const auto most = static_cast<float>(options_.area_ratio);
   if (!(area <= most * area_ && area_ <= most * area)) return kUnlike;
@@ -73,7 +68,6 @@ double SimilarRegions::dissimilarity(std::uint32_t a, std::uint32_t b) {
 }
 
 double SimilarRegions::threshold(std::span<double> dissimilarities) const {
-  if (!options_.adaptive) return options_.threshold;
   std::ranges::sort(dissimilarities);
   for (std::size_t k = 1; k < dissimilarities.size(); ++k) {
     const double apart =
@@ -88,9 +82,8 @@ void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
   counterparts_.merge(kept, gone);
   areas_[kept] += areas_[gone];
   if (place_[kept] == kNoIndex && place_[gone] != kNoIndex) {
-    descriptor_.describe(VertexId(kept), scratch_);
     std::swap(place_[kept], place_[gone]);
-    descriptor_.aggregate(row(place_[kept]), scratch_);
+    descriptor_.add(row(place_[kept]), VertexId(kept));
     return;
   }
   if (place_[kept] == kNoIndex) {
@@ -103,8 +96,7 @@ void SimilarRegions::merged(std::uint32_t kept, std::uint32_t gone) {
     descriptor_.describe(VertexId(kept), row(place_[kept]));
   }
   if (place_[gone] == kNoIndex) {
-    descriptor_.describe(VertexId(gone), scratch_);
-    descriptor_.aggregate(row(place_[kept]), scratch_);
+    descriptor_.add(row(place_[kept]), VertexId(gone));
     return;
   }
   descriptor_.aggregate(row(place_[kept]), row(place_[gone]));

@@ -21,6 +21,8 @@ class SimilarRegions final : public SimilarCollapses {
                  const SimilarityOptions& options);
 
   std::size_t begin(std::uint32_t a, std::uint32_t b) override;
+  void look() override { looks_ -= looks_ > 0 ? 1 : 0; }
+  [[nodiscard]] bool ranks() const noexcept override { return options_.adaptive; }
   double dissimilarity(std::uint32_t a, std::uint32_t b) override;
   [[nodiscard]] double threshold(std::span<double> dissimilarities) const override;
   [[nodiscard]] double cost_ratio() const noexcept override { return options_.cost_ratio; }
@@ -48,7 +50,7 @@ class SimilarRegions final : public SimilarCollapses {
   std::vector<std::uint32_t> place_;  // by slot: its row; kNoIndex for a vertex alone
   std::vector<std::uint32_t> free_;   // rows that are not in use
   std::vector<float> areas_;          // by slot
-  std::vector<float> reference_, other_, scratch_;
+  std::vector<float> reference_, other_;
   float area_ = 0;     // of the reference
   std::size_t looks_;  // that may still be taken
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -28,12 +29,20 @@ class AreaMeans : public Descriptor {
   [[nodiscard]] std::size_t size() const noexcept override { return areas_.size(); }
   [[nodiscard]] std::size_t width() const noexcept override { return 1 + count_; }
   void describe(VertexId vertex, std::span<float> out) const noexcept override {
-    out[0] = areas_[vertex.index()];
+    std::ranges::fill(out, 0.0F);
+    add(out, vertex);
+  }
+  void add(std::span<float> into, VertexId vertex) const noexcept override {
+    const float area = areas_[vertex.index()];
     const auto own = std::span(values_).subspan(vertex.index() * count_, count_);
-    for (std::size_t k = 0; k < count_; ++k) out[1 + k] = out[0] * own[k];
+    into[0] += area;
+    for (std::size_t k = 0; k < count_; ++k) into[1 + k] += area * own[k];
   }
   [[nodiscard]] double area(std::span<const float> region) const noexcept override {
     return static_cast<double>(region[0]);
+  }
+  [[nodiscard]] double area(VertexId vertex) const noexcept override {
+    return static_cast<double>(areas_[vertex.index()]);
   }
 
  protected:

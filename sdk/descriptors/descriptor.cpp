@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <armature/sdk/descriptors/descriptor.h>
 #include <tbb/parallel_for.h>
@@ -17,14 +18,14 @@ Expected<std::vector<float>> dissimilarities(const Descriptor& descriptor, std::
                                              const Task& task) {
   if (reference.empty()) return fail("expected a vertex to compare with, found none");
   std::vector<float> region(descriptor.width(), 0.0F);
-  std::vector<float> one(descriptor.width(), 0.0F);
   bool first = true;
   for (const VertexId vertex : reference) {
     if (!vertex.valid() || vertex.index() >= descriptor.size())
       return fail("reference: expected vertices below " + std::to_string(descriptor.size()));
-    descriptor.describe(vertex, first ? region : one);
-    if (!first) descriptor.aggregate(region, one);
-    first = false;
+    if (std::exchange(first, false))
+      descriptor.describe(vertex, region);
+    else
+      descriptor.add(region, vertex);
   }
   std::vector<float> result(descriptor.size());
   constexpr std::size_t kBlock = 1024;

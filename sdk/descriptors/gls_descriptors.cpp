@@ -81,19 +81,23 @@ class GlsHistograms final : public Descriptor {
   [[nodiscard]] std::size_t width() const noexcept override { return 1 + 2 * columns_ + columns_ * kGlsBins; }
   void describe(VertexId vertex, std::span<float> out) const noexcept override {
     std::ranges::fill(out, 0.0F);
-    const float area = out[0] = areas_[vertex.index()];
+    add(out, vertex);
+  }
+  void add(std::span<float> into, VertexId vertex) const noexcept override {
+    const float area = areas_[vertex.index()];
+    into[0] += area;
     for (std::size_t c = 0; c < columns_; ++c) {
       const float x = static_cast<float>(places_[vertex.index() * columns_ + c]) / kPlaces;
       const auto low = static_cast<std::size_t>(x);
       const float high_share = x - static_cast<float>(low);
       const float at_low = area * (1 - high_share);
       const float at_high = area * high_share;
-      float* const bins = out.data() + 1 + 2 * columns_ + c * kGlsBins;
-      bins[low] = at_low;
-      if (low + 1 < kGlsBins) bins[low + 1] = at_high;
+      float* const bins = into.data() + 1 + 2 * columns_ + c * kGlsBins;
+      bins[low] += at_low;
+      if (low + 1 < kGlsBins) bins[low + 1] += at_high;
       const auto l = static_cast<float>(low);
-      out[1 + c] = area * x;
-      out[1 + columns_ + c] = at_low * l * l + at_high * (l + 1) * (l + 1);
+      into[1 + c] += area * x;
+      into[1 + columns_ + c] += at_low * l * l + at_high * (l + 1) * (l + 1);
     }
   }
   [[nodiscard]] double dissimilarity(std::span<const float> a, std::span<const float> b,
@@ -132,6 +136,9 @@ class GlsHistograms final : public Descriptor {
   }
   [[nodiscard]] double area(std::span<const float> region) const noexcept override {
     return static_cast<double>(region[0]);
+  }
+  [[nodiscard]] double area(VertexId vertex) const noexcept override {
+    return static_cast<double>(areas_[vertex.index()]);
   }
 
  private:
@@ -199,8 +206,9 @@ class GlsMerged final : public Descriptor {
   [[nodiscard]] std::size_t size() const noexcept override { return size_; }
   [[nodiscard]] std::size_t width() const noexcept override { return kFirst + kSums * scales_.size(); }
   void describe(VertexId vertex, std::span<float> out) const noexcept override {
-    std::ranges::copy(std::span(rows_).subspan(vertex.index() * width(), width()), out.begin());
+    std::ranges::copy(row(vertex), out.begin());
   }
+  void add(std::span<float> into, VertexId vertex) const noexcept override { aggregate(into, row(vertex)); }
   void aggregate(std::span<float> into, std::span<const float> other) const noexcept override {
     const Eigen::Vector3f apart =
         Eigen::Map<const Eigen::Vector3f>(other.data() + 1) - Eigen::Map<const Eigen::Vector3f>(into.data() + 1);
@@ -225,9 +233,14 @@ class GlsMerged final : public Descriptor {
   [[nodiscard]] double area(std::span<const float> region) const noexcept override {
     return static_cast<double>(region[0]);
   }
+  [[nodiscard]] double area(VertexId vertex) const noexcept override { return area(row(vertex)); }
 
  private:
   static constexpr std::size_t kFirst = 7, kSums = 9;
+
+  [[nodiscard]] std::span<const float> row(VertexId vertex) const noexcept {
+    return std::span(rows_).subspan(vertex.index() * width(), width());
+  }
 
   static GlsSums read(std::span<const float> row, std::size_t scale) noexcept {
     std::array<double, kSums> s{};

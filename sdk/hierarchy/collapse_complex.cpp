@@ -268,11 +268,10 @@ bool CollapseComplex::keeps_topology(std::uint32_t edge) {
 }
 
 void CollapseComplex::Stars::allot(std::span<const std::uint32_t> sizes) {
-  begin_.resize(sizes.size());
-  size_.assign(sizes.size(), 0);
+  lists_.resize(sizes.size());
   std::uint32_t total = 0;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
-    begin_[k] = total;
+    lists_[k] = {.begin = total, .size = 0};
     total += sizes[k];
   }
   slack_ = total / kSlack;
@@ -281,40 +280,40 @@ void CollapseComplex::Stars::allot(std::span<const std::uint32_t> sizes) {
 }
 
 void CollapseComplex::Stars::remove(std::uint32_t slot, std::uint32_t item) noexcept {
-  const auto first = items_.begin() + begin_[slot];
-  const auto last = first + size_[slot];
+  const auto first = items_.begin() + lists_[slot].begin;
+  const auto last = first + lists_[slot].size;
   const auto found = std::find(first, last, item);
   assert(found != last);
   std::move(found + 1, last, found);
-  --size_[slot];
+  --lists_[slot].size;
 }
 
 void CollapseComplex::Stars::merge(std::uint32_t kept, std::uint32_t gone, std::span<const std::uint32_t> list) {
   const auto size = static_cast<std::uint32_t>(list.size());
-  if (size > size_[kept]) {
-    if (size <= size_[gone]) {
-      begin_[kept] = begin_[gone];
+  if (size > lists_[kept].size) {
+    if (size <= lists_[gone].size) {
+      lists_[kept].begin = lists_[gone].begin;
     } else {
-      size_[kept] = size_[gone] = 0;
+      lists_[kept].size = lists_[gone].size = 0;
       if (items_.size() + size > items_.capacity()) pack(size);
-      begin_[kept] = static_cast<std::uint32_t>(items_.size());
+      lists_[kept].begin = static_cast<std::uint32_t>(items_.size());
       items_.resize(items_.size() + size);
     }
   }
-  std::copy(list.begin(), list.end(), items_.begin() + begin_[kept]);
-  size_[kept] = size;
-  size_[gone] = 0;
+  std::copy(list.begin(), list.end(), items_.begin() + lists_[kept].begin);
+  lists_[kept].size = size;
+  lists_[gone].size = 0;
 }
 
 void CollapseComplex::Stars::pack(std::uint32_t more) {
   std::size_t live = more;
-  for (const auto size : size_) live += size;
+  for (const List& list : lists_) live += list.size;
   std::vector<std::uint32_t> packed;
   packed.reserve(live + slack_);
-  for (std::size_t slot = 0; slot < begin_.size(); ++slot) {
-    const auto from = items_.begin() + begin_[slot];
-    begin_[slot] = static_cast<std::uint32_t>(packed.size());
-    packed.insert(packed.end(), from, from + size_[slot]);
+  for (List& list : lists_) {
+    const auto from = items_.begin() + list.begin;
+    list.begin = static_cast<std::uint32_t>(packed.size());
+    packed.insert(packed.end(), from, from + list.size);
   }
   items_ = std::move(packed);
 }

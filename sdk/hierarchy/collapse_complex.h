@@ -98,9 +98,11 @@ class CollapseComplex {
   class Stars {
    public:
     void allot(std::span<const std::uint32_t> sizes);
-    void push(std::uint32_t slot, std::uint32_t item) noexcept { items_[begin_[slot] + size_[slot]++] = item; }
+    void push(std::uint32_t slot, std::uint32_t item) noexcept {
+      items_[lists_[slot].begin + lists_[slot].size++] = item;
+    }
     [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t slot) const noexcept {
-      return {items_.data() + begin_[slot], size_[slot]};
+      return {items_.data() + lists_[slot].begin, lists_[slot].size};
     }
     void remove(std::uint32_t slot, std::uint32_t item) noexcept;
     /// Gives `kept` the list and frees the one of `gone`; one of their places is used again if it is large enough.
@@ -111,8 +113,11 @@ class CollapseComplex {
     static constexpr std::uint32_t kSlack = 4;
     void pack(std::uint32_t more);
 
+    struct List {
+      std::uint32_t begin, size;
+    };
     std::vector<std::uint32_t> items_;
-    std::vector<std::uint32_t> begin_, size_;
+    std::vector<List> lists_;  // by slot
     std::size_t slack_ = 0;
   };
 

@@ -10,7 +10,8 @@ namespace armature::sdk {
 
 /// Edges in the order of their keys, of equal ones in the order of their numbers. Only about the least eighth stands in
 /// a heap, which so stays in the fast memory; the others wait in no order until it is empty. The heap has four children
-/// a node: half as deep as one of two, and siblings share a cache line.
+/// a node: half as deep as one of two, and siblings share a cache line. What was taken out in order and is put back
+/// stands on a stack beside it.
 class CollapseQueue {
  public:
   [[nodiscard]] static std::uint64_t entry(std::uint32_t key, std::uint32_t edge) noexcept {
@@ -21,8 +22,8 @@ class CollapseQueue {
   }
   [[nodiscard]] static std::uint32_t edge_of(std::uint64_t entry) noexcept { return static_cast<std::uint32_t>(entry); }
 
-  [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
-  [[nodiscard]] std::uint64_t top() const noexcept { return heap_.front(); }
+  [[nodiscard]] bool empty() const noexcept { return heap_.empty() && back_.empty(); }
+  [[nodiscard]] std::uint64_t top() const noexcept { return from_back() ? back_.back() : heap_.front(); }
 
   void reserve(std::size_t size) { far_.reserve(size); }
   /// Adds without order; `arrange` must follow.
@@ -44,7 +45,18 @@ class CollapseQueue {
       heap_[at] = heap_[(at - 1) / kChildren];
     heap_[at] = entry;
   }
+  /// Adds what was taken out before: at little cost if the greatest comes first.
+  void put_back(std::uint64_t entry) {
+    if (back_.empty() || entry <= back_.back())
+      back_.push_back(entry);
+    else
+      push(entry);
+  }
   void pop() {
+    if (from_back()) {
+      back_.pop_back();
+      return;
+    }
     const std::uint64_t last = heap_.back();
     heap_.pop_back();
     if (!heap_.empty())
@@ -54,7 +66,10 @@ class CollapseQueue {
   }
   /// Puts another entry in the place of the first.
   void replace_top(std::uint64_t entry) {
-    if (entry < end_) {
+    if (from_back()) {
+      back_.pop_back();
+      push(entry);
+    } else if (entry < end_) {
       sink(0, entry);
     } else {
       far_.push_back(entry);
@@ -65,6 +80,10 @@ class CollapseQueue {
  private:
   static constexpr std::size_t kChildren = 4, kSample = 64, kLeast = 1024;
 
+  /// Whether the first is the one that was put back last.
+  [[nodiscard]] bool from_back() const noexcept {
+    return !back_.empty() && (heap_.empty() || back_.back() < heap_.front());
+  }
   /// Takes about the least eighth of the far into the empty heap, by a sample of them.
   void refill() {
     end_ = std::numeric_limits<std::uint64_t>::max();
@@ -112,6 +131,7 @@ class CollapseQueue {
 
   std::vector<std::uint64_t> heap_;  // what is less than end_
   std::vector<std::uint64_t> far_;   // the others, in no order
+  std::vector<std::uint64_t> back_;  // what was put back, the least last
   std::uint64_t end_ = 0;
 };
 

@@ -37,7 +37,11 @@ class SimilarCollapses {
   virtual std::size_t begin(std::uint32_t a, std::uint32_t b) = 0;
   /// How unlike the reference the collapse of two other slots is; infinite where it is not to be done with it.
   virtual double dissimilarity(std::uint32_t a, std::uint32_t b) = 0;
-  /// What the dissimilarity must stay below, given all of a step, which may be put into another order.
+  /// One of those others was looked at.
+  virtual void look() = 0;
+  /// Whether what dissimilarities must stay below depends on all of a step; else all finite ones are below it.
+  [[nodiscard]] virtual bool ranks() const noexcept = 0;
+  /// If so, that, given all of a step, which may be put into another order.
   [[nodiscard]] virtual double threshold(std::span<double> dissimilarities) const = 0;
   /// The most that a collapse may cost, as a multiple of the reference.
   [[nodiscard]] virtual double cost_ratio() const noexcept = 0;
@@ -65,9 +69,10 @@ class SimilarCollapses {
 ///
 /// With `similar`, a step collapses the cheapest edge and those like it, as far as they are independent: no end of one
 /// is an end or a neighbour of an end of another. Like regions cost alike, so the queue itself is the structure that
-/// finds them: only what stands near its head is looked at. Edges whose ends correspond go together or not at all, when
-/// the dearest of them is due, or the union of what those join that share ends; these alone need not be independent,
-/// and go one after another. `similar_steps.h` holds how.
+/// finds them: only what stands near its head is looked at, and next to everything of it many times, so that fits and
+/// what turned no triangle over are remembered. Edges whose ends correspond go together or not at all, when the dearest
+/// of them is due, or the union of what those join that share ends; these alone need not be independent, and go one
+/// after another. `similar_steps.h` holds how.
 template <class Metric>
 class Decimation {
  public:
@@ -78,11 +83,17 @@ class Decimation {
   /// Offers the edges from number `first` on to the queue.
   void offer(std::uint32_t first) {
     queue_.reserve(complex_.edge_count());
+    if (similar_ != nullptr) {
+      memos_.resize(complex_.edge_count());
+      changes_.resize(complex_.slot_count());
+    }
     for (std::uint32_t edge = first; edge < complex_.edge_count(); ++edge) {
       const auto [a, b] = complex_.edge(edge);
       // A region has one label, so this holds for good.
       if (!options_.labels.empty() && options_.labels[a] != options_.labels[b]) continue;
-      complex_.key(edge) = key_of(metric_.cost(a, b, metric_.fit(a, b)));
+      Fit fit = metric_.fit(a, b);
+      complex_.key(edge) = key_of(metric_.cost(a, b, fit));
+      if (!memos_.empty()) memos_[edge].centre = fit.centre();
       if (complex_.key(edge) < kForbidden) queue_.append(entry(edge));
     }
     queue_.arrange();
@@ -102,6 +113,7 @@ class Decimation {
   struct Ready {
     std::uint32_t edge = kNoIndex;
     Fit fit = {};
+    bool fitted = false;               // else the fit is found when it is needed
     CollapseComplex::Pair slots = {};  // where one before it in the step may change it: its ends
     bool touches = false;              // so
   };
@@ -118,20 +130,34 @@ class Decimation {
     bool touches = false;  // members are near one another
   };
 
-  /// Slots that are marked until the next round.
+  /// What is remembered of an edge, as steps look again at what others have left.
+  struct alignas(32) Memo {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of its fit when its cost was found
+    std::uint32_t upright = 0;                         // the first collapse that may have it turn a triangle over
+  };
+  /// The last collapses that changed a slot, and one that it is joined to.
+  struct Change {
+    std::uint32_t self = 0, near = 0;
+  };
+
+  /// Slots that are marked until the next round, early in it or late.
   struct Marks {
-    std::vector<std::uint32_t> rounds;  // by slot: the last round in which it was marked
-    std::uint32_t round = 0;
+    enum When : std::uint32_t { Early, Late };
+    std::vector<std::uint32_t> rounds;  // by slot: the last round in which it was marked, and when
+    std::uint32_t round = 0;            // even
 
     void next(std::size_t slots) {
       rounds.resize(slots, 0);
-      ++round;
+      round += 2;
     }
     [[nodiscard]] bool either(const CollapseComplex::Pair& slots) const noexcept {
+      return rounds[slots[0]] >= round || rounds[slots[1]] >= round;
+    }
+    [[nodiscard]] bool early(const CollapseComplex::Pair& slots) const noexcept {
       return rounds[slots[0]] == round || rounds[slots[1]] == round;
     }
     /// Marks the ends of an edge and all that they are joined to.
-    void around(const CollapseComplex& complex, std::uint32_t edge);
+    void around(const CollapseComplex& complex, std::uint32_t edge, When when);
   };
 
   // Keys are costs as floats, whose bits are in the order of their values; what would turn triangles over comes after
@@ -193,6 +219,12 @@ class Decimation {
   void give_back(std::uint32_t edge);
   [[nodiscard]] std::uint32_t dearest(std::uint32_t key) const noexcept;
   [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
+  /// Finds the fit of a collapse.
+  void fit(Ready& ready) const;
+  /// Finds the cost of a collapse whose ends have changed; its key.
+  std::uint32_t renew_cost(Ready& ready);
+  /// Whether a collapse turns a triangle over.
+  [[nodiscard]] bool turns(Ready& ready);
   /// Whether none of them is near another.
   [[nodiscard]] bool apart(std::span<const Ready> members);
   /// Makes a collapse fit what those before it in the step have changed nearby; false if it may not be done any more.
@@ -204,7 +236,10 @@ class Decimation {
     complex_.note(edge) &= static_cast<std::uint8_t>(~Waits);
     queue_.push(entry(edge));
   }
-  [[nodiscard]] bool flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to) const noexcept;
+  /// Whether a triangle of either slot is turned over if they come to lie at `to`: of those alone that a collapse from
+  /// number `since` on has changed; 0 for all.
+  [[nodiscard]] bool flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to,
+                           std::uint32_t since) const noexcept;
 
   Metric& metric_;
   CollapseComplex& complex_;
@@ -218,12 +253,17 @@ class Decimation {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse
   Marks near_;                                                 // of apart()
+  std::vector<Memo> memos_;                                    // by edge; empty without `similar`
+  std::vector<Change> changes_;                                // by slot; as well
   std::vector<std::uint32_t> steps_;
 };
 
 template <class Metric>
-bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to) const noexcept {
+bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Vector3d& to,
+                               std::uint32_t since) const noexcept {
+  const bool all = since == 0 || std::max(changes_[a].self, changes_[b].self) >= since;
   const auto turns = [&](std::uint32_t moved, std::uint32_t other) {
+    if (!all && changes_[moved].near < since) return false;
     const Eigen::Vector3d& from = metric_.position(moved);
     for (const auto t : complex_.triangles_of(moved)) {
       const auto& c = complex_.triangle(t);
@@ -231,6 +271,7 @@ bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Ve
       const std::uint32_t y = c[(at + 1) % 3];
       const std::uint32_t z = c[(at + 2) % 3];
       if (y == other || z == other) continue;
+      if (!all && std::max(changes_[y].self, changes_[z].self) < since) continue;
       const Eigen::Vector3d& p = metric_.position(y);
       const Eigen::Vector3d side = metric_.position(z) - p;
       if (side.cross(from - p).dot(side.cross(to - p)) < 0) return true;
@@ -241,7 +282,44 @@ bool Decimation<Metric>::flips(std::uint32_t a, std::uint32_t b, const Eigen::Ve
 }
 
 template <class Metric>
+void Decimation<Metric>::fit(Ready& ready) const {
+  const auto [a, b] = complex_.edge(ready.edge);
+  ready.fit = metric_.fit(a, b);
+  ready.fitted = true;
+}
+
+template <class Metric>
+std::uint32_t Decimation<Metric>::renew_cost(Ready& ready) {
+  const auto [a, b] = complex_.edge(ready.edge);
+  complex_.note(ready.edge) &= static_cast<std::uint8_t>(~Stale);
+  fit(ready);
+  if (!memos_.empty()) memos_[ready.edge].centre = ready.fit.centre();
+  return key_of(metric_.cost(a, b, ready.fit));
+}
+
+template <class Metric>
+bool Decimation<Metric>::turns(Ready& ready) {
+  const auto [a, b] = complex_.edge(ready.edge);
+  if (memos_.empty()) {
+    if (!ready.fitted) fit(ready);
+    return flips(a, b, metric_.position(a) + ready.fit.centre(), 0);
+  }
+  Memo& memo = memos_[ready.edge];
+  if (memo.upright > std::max(changes_[a].near, changes_[b].near)) return false;
+  const bool found = flips(a, b, metric_.position(a) + memo.centre, memo.upright);
+  memo.upright = found ? 0 : complex_.steps() + 1;
+  return found;
+}
+
+template <class Metric>
 void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
+  if (!changes_.empty()) {
+    changes_[merged.slot] = {complex_.steps(), complex_.steps()};
+    for (const auto e : merged.edges) {
+      const auto [a, b] = complex_.edge(e);
+      changes_[a == merged.slot ? b : a].near = complex_.steps();
+    }
+  }
   for (const auto e : merged.edges) {
     complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | Stale) & ~Alone);
     if ((complex_.key(e) & kPenalty) != 0) {
@@ -269,12 +347,9 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       continue;
     }
     if (key > most) return false;
-    const auto [a, b] = complex_.edge(edge);
-    ready.edge = edge;
-    ready.fit = metric_.fit(a, b);
+    ready = {.edge = edge};
     if ((complex_.note(edge) & Stale) != 0) {
-      complex_.note(edge) &= static_cast<std::uint8_t>(~Stale);
-      complex_.key(edge) = std::max(key_of(metric_.cost(a, b, ready.fit)), key);
+      complex_.key(edge) = std::max(renew_cost(ready), key);
       if (complex_.key(edge) >= kForbidden) {
         queue_.pop();
         continue;
@@ -287,8 +362,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
       queue_.pop();
       continue;
     }
-    if (options_.penalise_flips && (complex_.key(edge) & kPenalty) == 0 &&
-        flips(a, b, metric_.position(a) + ready.fit.centre())) {
+    if (options_.penalise_flips && (complex_.key(edge) & kPenalty) == 0 && turns(ready)) {
       complex_.key(edge) |= kPenalty;
       queue_.replace_top(entry(edge));
       continue;
@@ -302,6 +376,7 @@ bool Decimation<Metric>::take(std::uint32_t most, Ready& ready) {
 template <class Metric>
 CollapseComplex::Merged Decimation<Metric>::perform(Ready& ready) {
   const auto [a, b] = complex_.edge(ready.edge);
+  if (!ready.fitted) fit(ready);
   const auto merged = complex_.collapse(ready.edge);
   if (merged.slot != a) ready.fit.centre() += metric_.position(a) - metric_.position(b);
   metric_.merge(merged.slot, merged.gone, ready.fit);

@@ -17,8 +17,8 @@ namespace armature::sdk {
 class QemMetric {
  public:
   struct Fit {
-    Eigen::Vector3d offset;  ///< from the slot that it is seen from
-    double cost;
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< from the slot that it is seen from
+    double cost = 0;
     [[nodiscard]] Eigen::Vector3d& centre() noexcept { return offset; }
   };
 

@@ -14,11 +14,14 @@ std::uint32_t Decimation<Metric>::dearest(std::uint32_t key) const noexcept {
 }
 
 template <class Metric>
-void Decimation<Metric>::Marks::around(const CollapseComplex& complex, std::uint32_t edge) {
+void Decimation<Metric>::Marks::around(const CollapseComplex& complex, std::uint32_t edge, When when) {
+  const auto mark = [&](std::uint32_t slot) {
+    if (rounds[slot] != round + Early) rounds[slot] = round + when;
+  };
   for (const auto end : complex.edge(edge)) {
-    rounds[end] = round;
+    mark(end);
     for (const auto e : complex.edges_of(end))
-      for (const auto near : complex.edge(e)) rounds[near] = round;
+      for (const auto near : complex.edge(e)) mark(near);
   }
 }
 
@@ -26,14 +29,11 @@ template <class Metric>
 bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready) {
   const auto [a, b] = complex_.edge(edge);
   if (!options_.labels.empty() && options_.labels[a] != options_.labels[b]) return false;
-  ready = {.edge = edge, .fit = metric_.fit(a, b)};
+  ready = {.edge = edge};
   std::uint32_t key = complex_.key(edge) & ~kPenalty;
-  if ((complex_.note(edge) & Stale) != 0) {
-    complex_.note(edge) &= static_cast<std::uint8_t>(~Stale);
-    key = std::max(key, key_of(metric_.cost(a, b, ready.fit)));
-  }
+  if ((complex_.note(edge) & Stale) != 0) key = std::max(key, renew_cost(ready));
   const bool may_be = key < kForbidden;
-  if (may_be && options_.penalise_flips && flips(a, b, metric_.position(a) + ready.fit.centre())) key |= kPenalty;
+  if (may_be && options_.penalise_flips && turns(ready)) key |= kPenalty;
   if (key != complex_.key(edge)) {
     complex_.key(edge) = key;
     if (may_be && (complex_.note(edge) & Waits) == 0) queue_.push(entry(edge));
@@ -183,7 +183,7 @@ bool Decimation<Metric>::take_rest(std::uint32_t most) {
     if (ready_.size() == most || !independent(edge)) {
       postpone(edge);
     } else if (evaluate(edge, ready)) {
-      reserved_.around(complex_, edge);
+      reserved_.around(complex_, edge, Marks::Early);
       ready_.push_back(ready);
     }
   }
@@ -195,13 +195,13 @@ template <class Metric>
 bool Decimation<Metric>::take_first(std::uint32_t most) {
   if (!take_group(kNever)) return false;
   if (groups_.front().touches && ready_.size() <= most) {
-    for (const Ready& member : ready_) reserved_.around(complex_, member.edge);
+    for (const Ready& member : ready_) reserved_.around(complex_, member.edge, Marks::Early);
     return true;
   }
   std::size_t kept = 0;
   for (const Ready& member : ready_) {
     if (kept < most && independent(member.edge)) {
-      reserved_.around(complex_, member.edge);
+      reserved_.around(complex_, member.edge, Marks::Early);
       ready_[kept++] = member;
     } else {
       postpone(member.edge);
@@ -233,7 +233,7 @@ bool Decimation<Metric>::apart(std::span<const Ready> members) {
   near_.next(complex_.slot_count());
   for (const Ready& member : members) {
     if (near_.either(complex_.edge(member.edge))) return false;
-    near_.around(complex_, member.edge);
+    near_.around(complex_, member.edge, Marks::Early);
   }
   return true;
 }
@@ -241,17 +241,18 @@ bool Decimation<Metric>::apart(std::span<const Ready> members) {
 template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
-  if (members.size() > most || (!group.touches && !apart(members))) return;
+  if (members.size() > most) return;
   for (const Ready& member : members)
     if (!independent(member.edge)) return;
-  for (const Ready& member : members) reserved_.around(complex_, member.edge);
+  if (!group.touches && members.size() > 1 && !apart(members)) return;
+  for (const Ready& member : members) reserved_.around(complex_, member.edge, Marks::Late);
   most -= static_cast<std::uint32_t>(group.count);
   group.chosen = true;
 }
 
 template <class Metric>
 void Decimation<Metric>::give_back(std::uint32_t edge) {
-  if ((complex_.note(edge) & Out) != 0 && (complex_.key(edge) & ~kPenalty) < kForbidden) queue_.push(entry(edge));
+  if ((complex_.note(edge) & Out) != 0 && (complex_.key(edge) & ~kPenalty) < kForbidden) queue_.put_back(entry(edge));
   complex_.note(edge) &= static_cast<std::uint8_t>(~(Taken | Out));
 }
 
@@ -271,22 +272,30 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   dissimilarities_.clear();
   while (groups_.size() <= looks && take_group(dear)) {
     Group& group = groups_.back();
-    const auto [u, v] = complex_.edge(ready_[group.first].edge);
-    group.dissimilarity = independent(ready_[group.first].edge) ? similar_->dissimilarity(u, v) : kUnlike;
-    if (group.dissimilarity < kUnlike) dissimilarities_.push_back(group.dissimilarity);
+    const std::uint32_t edge = ready_[group.first].edge;
+    const auto [u, v] = complex_.edge(edge);
+    const bool free = independent(edge);
+    if (free || !reserved_.early({u, v})) similar_->look();
+    group.dissimilarity = free ? similar_->dissimilarity(u, v) : kUnlike;
+    if (group.dissimilarity == kUnlike) continue;
+    if (similar_->ranks())
+      dissimilarities_.push_back(group.dissimilarity);
+    else
+      choose_whole(group, most);  // at once: most of what comes is near something chosen
   }
-  const double below = similar_->threshold(dissimilarities_);
-  for (Group& group : std::span(groups_).subspan(1))
-    if (group.dissimilarity < below) choose_whole(group, most);
+  if (similar_->ranks()) {
+    const double below = similar_->threshold(dissimilarities_);
+    for (Group& group : std::span(groups_).subspan(1))
+      if (group.dissimilarity < below) choose_whole(group, most);
+  }
 
+  for (std::size_t k = groups_.size(); k-- > 0;)  // the dearest first, as the queue asks for
+    if (!groups_[k].chosen)
+      for (std::size_t i = groups_[k].count; i-- > 0;) give_back(ready_[groups_[k].first + i].edge);
   std::size_t kept = 0;
   for (const Group& group : groups_)
-    for (const Ready& member : std::span(ready_).subspan(group.first, group.count)) {
-      if (group.chosen)
-        ready_[kept++] = member;
-      else
-        give_back(member.edge);
-    }
+    if (group.chosen)
+      for (const Ready& member : std::span(ready_).subspan(group.first, group.count)) ready_[kept++] = member;
   ready_.resize(kept);
   // Only now, so that no group of this step held it.
   for (const Left& left : rest_) give_back(left.edge);

@@ -80,6 +80,18 @@ TEST_F(Descriptors, AggregateInAnyOrderAndCoverTheArea) {
   }
 }
 
+TEST_F(Descriptors, AddAVertexAsTheyAggregateItsDescriptor) {
+  for (const auto& d : all) {
+    std::vector<float> sum(d->width());
+    d->describe(VertexId(3), sum);
+    for (const std::size_t v : {17U, 99U, 640U, 801U}) d->add(sum, VertexId(v));
+    const auto aggregated = region(*d, {3, 17, 99, 640, 801});
+    for (std::size_t k = 0; k < sum.size(); ++k)
+      EXPECT_NEAR(sum[k], aggregated[k], 1e-6F * (1 + std::abs(aggregated[k])));
+    EXPECT_EQ(d->area(VertexId(99)), d->area(region(*d, {99})));
+  }
+}
+
 TEST_F(Descriptors, AreSymmetricAndTellATorusFromABall) {
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Descriptor& d = *all[k];

@@ -1,8 +1,10 @@
 #include "sdk/hierarchy/collapse_queue.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +49,38 @@ TEST(CollapseQueue, GivesTheLeastWhateverIsPushedMeanwhile) {
       for (int more = 0; more < 5000; ++more) queue.append(fresh(0, 3000));
       queue.arrange();
     }
+  }
+  EXPECT_TRUE(queue.empty());
+}
+
+TEST(CollapseQueue, GivesTheLeastWhereSomeWasPutBack) {
+  CollapseQueue queue;
+  std::multiset<std::uint64_t> held;
+  std::mt19937 random(2);
+  const auto fresh = [&] { return *held.insert(random() % 100000U); };
+  for (int k = 0; k < 20000; ++k) queue.append(fresh());
+  queue.arrange();
+  while (!held.empty()) {
+    std::vector<std::uint64_t> out;
+    for (int k = 0; k < 100 && !held.empty(); ++k) {
+      ASSERT_FALSE(queue.empty());
+      ASSERT_EQ(queue.top(), *held.begin());
+      out.push_back(queue.top());
+      held.erase(held.begin());
+      queue.pop();
+    }
+    // All but a third, the greatest first or in any order, while others come.
+    if (random() % 4 == 0) std::shuffle(out.begin(), out.end(), random);
+    for (std::size_t k = out.size(); k-- > 0;) {
+      if (k % 3 == 0) continue;
+      queue.put_back(*held.insert(out[k]));
+      if (random() % 16 == 0) queue.push(fresh());
+    }
+    if (held.empty()) break;
+    ASSERT_EQ(queue.top(), *held.begin());
+    held.erase(held.begin());
+    const std::uint64_t later = fresh();
+    queue.replace_top(later);
   }
   EXPECT_TRUE(queue.empty());
 }

@@ -28,12 +28,16 @@ class Descriptor {
   virtual void describe(VertexId vertex, std::span<float> out) const noexcept = 0;
   /// Aggregation: makes `into` the descriptor of its region and that of `other` together.
   virtual void aggregate(std::span<float> into, std::span<const float> other) const noexcept;
+  /// The same with a vertex alone.
+  virtual void add(std::span<float> into, VertexId vertex) const noexcept = 0;
   /// How unlike two regions are, 0 for the same; 1 is nothing in common where it has a bound. Where that is `limit` or
   /// more, any number from `limit` on may be returned.
   [[nodiscard]] virtual double dissimilarity(std::span<const float> a, std::span<const float> b,
                                              double limit) const noexcept = 0;
   /// The area that a region covers, in the square of the model's unit.
   [[nodiscard]] virtual double area(std::span<const float> region) const noexcept = 0;
+  /// The area that a vertex covers.
+  [[nodiscard]] virtual double area(VertexId vertex) const noexcept = 0;
 
  protected:
   Descriptor() = default;
