@@ -56,7 +56,8 @@ struct SimilarBuild {
 /// Decimates a mesh as build_hierarchy() does, but like regions together (thesis, algorithm 4): each step collapses the
 /// cheapest edge and those whose regions are like its own, as far as they are independent, so that the levels at the
 /// ends of steps keep the likenesses of the shape and are fewer. Every level in between is there as well. Takes up to
-/// three times as long, descriptors left out. Deterministic. Refused where build_hierarchy() is, and for options out of range.
+/// three times as long, descriptors left out. Deterministic. Refused where build_hierarchy() is, and for options out of
+/// range.
 [[nodiscard]] Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
                                                              const SimilarityOptions& similarity = {},
                                                              const Task& task = {});
