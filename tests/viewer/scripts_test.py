@@ -16,6 +16,8 @@ import unittest
 import zlib
 from pathlib import Path
 
+import x_hands
+
 HERE = Path(__file__).resolve().parent
 BINARIES = Path("bin")  # set by main
 
@@ -295,6 +297,78 @@ class Viewer(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(size_of(self.folder / "window.png"), (1280, 800))
         self.assertEqual(size_of(self.folder / "small.png"), (320, 200))
+
+    def in_a_window(self, command, **options):
+        """Starts a program on a display of its own; the program's process and hands at its window."""
+        display = subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
+        self.addCleanup(display.stdout.close)
+        self.addCleanup(display.wait)
+        self.addCleanup(display.terminate)
+        name = ":" + display.stdout.readline().decode().strip()
+        environment = {**os.environ, "DISPLAY": name, "XDG_CONFIG_HOME": str(self.folder), "TMPDIR": str(self.folder),
+                       **options.pop("environment", {})}
+        environment.pop("WAYLAND_DISPLAY", None)
+        program = subprocess.Popen(command, cwd=self.folder, env=environment, stderr=subprocess.PIPE, text=True, **options)
+        self.addCleanup(program.stderr.close)
+        self.addCleanup(program.wait)
+        self.addCleanup(program.kill)
+        hands = x_hands.Hands(name, "Armature")
+        self.addCleanup(hands.close)
+        return program, hands
+
+    def saved_by_hand(self, hands, name):
+        """Ctrl+S and a name, until what was open at last has been written: opening it may take a while."""
+        for _ in range(20):
+            hands.press("Control_L", "s")
+            hands.type(name + "\n")
+            for _ in range(20):
+                if (self.folder / name).exists():
+                    return (self.folder / name).read_bytes()
+                time.sleep(0.1)
+            hands.press("Escape")
+        self.fail(f"{name} was not written")
+
+    @unittest.skipUnless(shutil.which("Xvfb") and x_hands.load(), "Xvfb or libXtst is missing")
+    def test_files_that_are_dropped_and_chosen_by_hand(self):
+        expected = {}
+        for model in ("creature", "animal"):
+            played = self.play([f"open {model}.off", f"save {model}2.off"])
+            self.assertEqual(played.returncode, 0, played.stderr)
+            expected[model] = (self.folder / f"{model}2.off").read_bytes()
+        viewer, hands = self.in_a_window([BINARIES / "armature-viewer"])
+        hands.focus()
+        hands.drop(self.folder / "creature.off")
+        self.assertEqual(self.saved_by_hand(hands, "dropped.off"), expected["creature"])
+        hands.press("Control_L", "o")
+        hands.type("animal.off\n")
+        time.sleep(2)
+        self.assertEqual(self.saved_by_hand(hands, "opened.off"), expected["animal"])
+        hands.ask_to_close()
+        self.assertEqual(viewer.wait(timeout=60), 0)
+
+    @unittest.skipUnless(shutil.which("Xvfb") and x_hands.load(), "Xvfb or libXtst is missing")
+    def test_the_demo_opens_a_window_where_a_display_is(self):
+        made = run("armature", "synth", "stand", "person.oni", "--size", "320x240", folder=self.folder)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        # The script as it is, in a tree that is set up and built already.
+        tree = self.folder / "tree"
+        (tree / "tools").mkdir(parents=True)
+        (tree / "build/release").mkdir(parents=True)
+        (tree / "build/release/bin").symlink_to(BINARIES)
+        shutil.copy(HERE.parents[1] / "tools/demo", tree / "tools/demo")
+        for done in (tree / "tools/setup", tree / "cmake"):
+            done.write_text("#!/bin/sh\n")
+            done.chmod(0o755)
+        path = {"PATH": f"{tree}:{os.environ['PATH']}"}
+        demo, hands = self.in_a_window([tree / "tools/demo", "person.oni"], environment=path)
+        hands.ask_to_close()
+        self.assertEqual(demo.wait(timeout=60), 0, demo.stderr)
+        self.assertEqual([left.name for left in self.folder.glob("armature*")], [])
+        plain = subprocess.run([tree / "tools/demo", "--plain", "--seconds", "3", "person.oni"], cwd=self.folder,
+                               env={**os.environ, **path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        self.assertEqual(plain.returncode, 0, plain.stderr)
+        self.assertGreater(len(plain.stdout.splitlines()), 10)
 
 
 if __name__ == "__main__":

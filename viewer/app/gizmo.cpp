@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "viewer/app/gestures.h"
 #include "viewer/app/theme.h"
-#include "viewer/app/ui.h"
 #include "viewer/session/posing.h"
 
 namespace armature::viewer {
@@ -115,10 +115,7 @@ void issue(Ui& ui, Grip grip, const sdk::SphereMove& move) {
 /// Chooses the sphere, edge or triangle under the mouse; Shift adds to what is held.
 void choose(Ui& ui, Model& model) {
   const ImGuiIO& io = ImGui::GetIO();
-  const float half = ui.view.size.y / 2;
-  const ViewPoint at((io.MousePos.x - ui.view.at.x - ui.view.size.x / 2) / half,
-                     (ui.view.at.y + half - io.MousePos.y) / half);
-  const auto hit = model.sphere_tree().intersect(ui.session.camera.ray(at));
+  const auto hit = model.sphere_tree().intersect(ui.session.camera.ray(view_point(ui, io.MousePos)));
   if (!hit) return;
   std::set<std::size_t> chosen;
   if (io.KeyShift)

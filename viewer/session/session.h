@@ -37,6 +37,7 @@ inline const std::vector<std::string_view> kPanels = {"look", "spheres", "select
 inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "edge", "pose", "spot"};
 inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
 inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
+inline const std::vector<std::string_view> kCombines = {"replace", "add", "subtract", "intersect"};  ///< sdk::Combine
 inline const std::vector<std::string_view> kMaps = {"none",       "curvature",  "protrusion",
                                                     "similarity", "components", "compared"};
 ///@}

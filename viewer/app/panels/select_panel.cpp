@@ -25,8 +25,7 @@ void draw_tools(Ui& ui) {
       ui.issue("brush-size {:.4g}", size / 100);
   }
   const int combine = choice_row("combine", static_cast<int>(session.combine), {"New", "Add", "Minus", "Both"});
-  static constexpr std::array<const char*, 4> kWays = {"replace", "add", "subtract", "intersect"};
-  if (combine >= 0) ui.issue("combine {}", kWays[static_cast<std::size_t>(combine)]);
+  if (combine >= 0) ui.issue("combine {}", kCombines[static_cast<std::size_t>(combine)]);
 }
 
 /// A match on a line: its place, how much it is alike, and two buttons. Why it is alike is said where the mouse rests.

@@ -16,12 +16,14 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
 void draw_models(Ui& ui) {
   const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+O");
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
     return;
   }
   ImGui::SameLine();
   if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S");
   ImGui::SameLine();
   if (ImGui::Button("Close")) ui.issue("close");
   if (session.models.size() > 1) {
