@@ -83,9 +83,9 @@ class Viewer(unittest.TestCase):
         self.assertEqual(played.returncode, 0, played.stderr)
         return dict(line.partition(" ")[::2] for line in played.stdout.splitlines())
 
-    def wait_for(self, file, program):
+    def wait_for(self, is_there, program):
         deadline = time.monotonic() + 60
-        while not file.exists() and time.monotonic() < deadline and program.poll() is None:
+        while not is_there() and time.monotonic() < deadline and program.poll() is None:
             time.sleep(0.05)
 
     def script(self, name):
@@ -180,10 +180,10 @@ class Viewer(unittest.TestCase):
         viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--connect", endpoint, "--script",
                                    "script.txt"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
-            self.wait_for(self.folder / "there.png", viewer)
+            self.wait_for((self.folder / "there.png").exists, viewer)
             first.send_signal(signal.SIGKILL)
             first.wait()
-            self.wait_for(self.folder / "gone.png", viewer)
+            self.wait_for((self.folder / "gone.png").exists, viewer)
             second = daemon()
             try:
                 out, error = viewer.communicate(timeout=120)
@@ -281,7 +281,7 @@ class Viewer(unittest.TestCase):
         viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--script", "script.txt"], cwd=self.folder,
                                   env={**os.environ, "TMPDIR": str(self.folder), "XDG_CONFIG_HOME": str(self.folder)},
                                   stderr=subprocess.PIPE, text=True)
-        self.wait_for(self.folder / "there.txt", viewer)
+        self.wait_for((self.folder / "there.txt").exists, viewer)
         viewer.send_signal(signal.SIGINT)
         _, error = viewer.communicate(timeout=60)
         self.assertEqual((viewer.returncode, error), (1, "armature-viewer: interrupted\n"))
@@ -337,7 +337,7 @@ class Viewer(unittest.TestCase):
             self.assertEqual(played.returncode, 0, played.stderr)
             expected[model] = (self.folder / f"{model}2.off").read_bytes()
         viewer, hands = self.in_a_window([BINARIES / "armature-viewer"])
-        hands.focus()
+        hands.point()
         hands.drop(self.folder / "creature.off")
         self.assertEqual(self.saved_by_hand(hands, "dropped.off"), expected["creature"])
         hands.press("Control_L", "o")
@@ -362,13 +362,15 @@ class Viewer(unittest.TestCase):
             done.chmod(0o755)
         path = {"PATH": f"{tree}:{os.environ['PATH']}"}
         demo, hands = self.in_a_window([tree / "tools/demo", "person.oni"], environment=path)
+        self.wait_for(lambda: list(self.folder.glob("armature-viewer.*/nav")), demo)
+        self.assertEqual(len(list(self.folder.glob("armature-viewer.*/nav"))), 1, "a daemon of its own")
         hands.ask_to_close()
         self.assertEqual(demo.wait(timeout=60), 0, demo.stderr)
         self.assertEqual([left.name for left in self.folder.glob("armature*")], [])
         plain = subprocess.run([tree / "tools/demo", "--plain", "--seconds", "3", "person.oni"], cwd=self.folder,
                                env={**os.environ, **path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
         self.assertEqual(plain.returncode, 0, plain.stderr)
-        self.assertGreater(len(plain.stdout.splitlines()), 10)
+        self.assertGreater(len(plain.stdout.splitlines()), 2)
 
 
 if __name__ == "__main__":

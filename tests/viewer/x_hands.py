@@ -94,10 +94,9 @@ class Hands:
         for letter in text:
             self.press(NAMES.get(letter, letter))
 
-    def focus(self):
-        """Keys go to the window: there is no window manager."""
-        self.x.XSetInputFocus(self.display, self.window, 1, ctypes.c_ulong(0))
-        self.x.XWarpPointer(self.display, ctypes.c_ulong(0), self.window, 0, 0, 0, 0, 700, 400)
+    def point(self):
+        """Keys go to the window under the pointer, where there is no window manager."""
+        self.x.XWarpPointer(self.display, ctypes.c_ulong(0), self.root, 0, 0, 0, 0, 700, 400)
         self.x.XFlush(self.display)
 
     def tell(self, kind, *data):

@@ -246,9 +246,9 @@ TEST_F(Hands, FindALoopWhereTheyDrewItHoweverTheCameraHasMovedSince) {
   };
   const auto loop = [&] {
     ASSERT_TRUE(session.execute("tool lasso"));
-    look({270, 170}, false);
-    for (const ImVec2 at : {ImVec2{270, 170}, ImVec2{330, 170}, ImVec2{330, 230}, ImVec2{270, 230}}) look(at, true);
-    look({270, 230}, false);
+    look({240, 140}, false);
+    for (const ImVec2 at : {ImVec2{240, 140}, ImVec2{360, 140}, ImVec2{360, 260}, ImVec2{240, 260}}) look(at, true);
+    look({240, 260}, false);
   };
   loop();
   frame({10, 10});

@@ -67,7 +67,10 @@ void choose(Ui& ui, FileDialog& dialog, const fs::path& name) {
 
 void draw_file_dialog(Ui& ui) {
   std::error_code none;
-  if (!ui.files) ui.files = std::make_shared<FileDialog>(FileDialog{.folder = fs::current_path(none)});
+  if (!ui.files) {
+    ui.files = std::make_shared<FileDialog>();
+    ui.files->folder = fs::current_path(none);
+  }
   FileDialog& dialog = *ui.files;
   list(dialog);
   const ImVec2 window = ImGui::GetIO().DisplaySize;
