@@ -59,6 +59,7 @@ class Viewer(unittest.TestCase):
         made = run("armature", "mesh", "sample", "creature", "creature.off", "--rounds", 5, folder=cls.models)
         assert made.returncode == 0, made.stderr
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
+        (cls.models / "broken.moves").write_text("level 8\nmove spheres 0 translate 0 1 0\nmove nothing\n")
         (cls.models / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n")
 
     @classmethod

@@ -22,6 +22,9 @@ struct Area {
   }
 };
 
+/// Beside what the status bar says, units of layout.
+inline constexpr float kStatusMargin = 14;
+
 struct FileDialog;
 struct Gesture;
 struct GizmoDrag;

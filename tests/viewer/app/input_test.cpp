@@ -449,6 +449,10 @@ TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
   frame({from.x + 90, from.y + 10});
   EXPECT_EQ(model.shown_mesh().positions, model.mesh->mesh.positions) << "that drag is over";
   EXPECT_EQ(model.pose->steps, 0U);
+  // Nor is there anything to hold in the city.
+  ASSERT_TRUE(session.execute("mode walk"));
+  drag(from, {40, 0});
+  EXPECT_EQ(model.pose->steps, 0U);
 }
 
 TEST_F(Hands, WalkThroughTheCity) {

@@ -115,6 +115,7 @@ void draw_path(Ui& ui) {
   ImGui::Text("%.1f m from it", task->distance_m());
   ImGui::PopStyleColor();
   ImGui::TextDisabled("%.2f m on average, %.2f %%", task->mean_deviation_m(), task->deviation_percent());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The mean of the squared distance, in percent of the path's length");
   if (task->finished()) ImGui::TextColored({0.2F, 0.55F, 0.3F, 1}, "Arrived.");
   if (ImGui::Button("Again")) ui.issue("path start");
   ImGui::SameLine();
