@@ -83,7 +83,9 @@ class Session {
   [[nodiscard]] const std::vector<std::string>& log() const noexcept { return log_; }
 
   /// Whether work runs in the background that the next line of a script has to wait for.
-  [[nodiscard]] bool busy() const noexcept { return job.running() || (waiting && !waiting()); }
+  [[nodiscard]] bool busy() const { return job.running() || waits(); }
+  /// Whether it has been told to wait, and what for has not come.
+  [[nodiscard]] bool waits() const { return waiting && !waiting(); }
 
   /// The model that commands are about; fails where nothing is open.
   [[nodiscard]] sdk::Expected<Model*> active();
