@@ -314,11 +314,11 @@ bool follow_stroke(Ui& ui) {
 }  // namespace
 
 bool follow_gesture(Ui& ui) {
+  if (ui.gesture && !ui.session.job.running()) ui.gesture->selects = false;
   if (ui.gesture && !ui.gesture->waiting.empty() && !ui.session.job.running()) {
     Gesture& gesture = *ui.gesture;
     const Waiting drawn = std::move(gesture.waiting.front());
     gesture.waiting.erase(gesture.waiting.begin());
-    gesture.selects = false;
     if (ui.session.models.empty() || drawn.model.lock() != ui.session.models[ui.session.active_model]) {
       gesture.waiting.clear();
     } else {

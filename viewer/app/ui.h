@@ -98,6 +98,8 @@ bool accent_button(const char* label, float width = 0);
 bool small_button(const char* label);
 ImVec2 small_padding();
 void hint(const char* text);
+/// What the mouse rests on, the item before, in more words.
+void explain(const char* text);
 ///@}
 
 }  // namespace armature::viewer

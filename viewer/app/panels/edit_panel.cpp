@@ -92,7 +92,7 @@ void draw_transfer(Ui& ui, const Model& model, Wanted& wanted) {
   ImGui::SetNextItemWidth(-1);
   const bool changed = ImGui::DragFloatRange2("##transfer", &wanted.from, &wanted.to, 0.005F, 0, 1, "from %.2f",
                                               "full at %.2f", ImGuiSliderFlags_AlwaysClamp);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("How alike a place must be to be edited, and to be edited in full");
+  explain("How alike a place must be to be edited, and to be edited in full");
   if (!changed || !(wanted.to > wanted.from)) return;
   ui.issue("transfer {:.3g} {:.3g}", wanted.from, wanted.to);
   wanted.waits = model.editing.tried != nullptr;

@@ -54,7 +54,7 @@ void choose(Ui& ui, FileDialog& dialog, const fs::path& name) {
   const fs::path file = dialog.folder / name;
   std::error_code none;
   if (fs::is_directory(file, none)) {
-    dialog.folder = file.lexically_normal();
+    dialog.folder = fs::canonical(file, none);
     dialog.name.fill(0);
     return;
   }

@@ -32,11 +32,6 @@ void draw_tools(Ui& ui) {
   hint(kMeaning[static_cast<std::size_t>(session.combine)]);
 }
 
-/// What the mouse rests on, in more words.
-void explain(const char* text) {
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
-}
-
 /// A match: its place, how much it is alike, and two buttons; below them, why.
 void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) {
   ImGui::PushID(static_cast<int>(place));

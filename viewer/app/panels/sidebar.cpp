@@ -16,14 +16,14 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
 void draw_models(Ui& ui) {
   const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+O");
+  explain("Ctrl+O");
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
     return;
   }
   ImGui::SameLine();
   if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+S");
+  explain("Ctrl+S");
   ImGui::SameLine();
   if (ImGui::Button("Close")) ui.issue("close");
   if (session.models.size() > 1) {
@@ -133,7 +133,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
     ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
     ImGui::TextWrapped("%s", session.notice.c_str());
     ImGui::PopStyleColor();
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
+    explain(session.notice.c_str());
     if (ImGui::IsItemClicked()) ui.tell("");
   } else {
     if (session.preparing.running()) draw_progress(session.preparing);
