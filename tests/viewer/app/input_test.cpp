@@ -70,6 +70,14 @@ class Hands : public ::testing::Test {
       ui.following = follow_gesture(ui);
     }
   }
+  /// A frame that takes nothing of what the background has found.
+  void look(const ImVec2& mouse, bool down) {
+    ImGui::GetIO().MouseDown[0] = down;
+    ImGui::GetIO().MousePos = mouse;
+    ImGui::NewFrame();
+    handle_input(ui);
+    ImGui::EndFrame();
+  }
   /// Presses, moves in steps and lets go.
   void drag(const ImVec2& from, const ImVec2& by, int button = 0) {
     frame(from);
@@ -178,13 +186,7 @@ TEST_F(Hands, DrawOnBeforeTheStrokeBeforeHasBeenSelected) {
   ASSERT_TRUE(session.execute("tool brush"));
   const auto draw = [&](const ImVec2& from, bool shift) {
     ImGui::GetIO().KeyShift = shift;
-    for (int i = 0; i < 8; ++i) {
-      ImGui::GetIO().MouseDown[0] = i > 0 && i < 7;
-      ImGui::GetIO().MousePos = {from.x + 4 * static_cast<float>(i), from.y};
-      ImGui::NewFrame();
-      handle_input(ui);
-      ImGui::EndFrame();
-    }
+    for (int i = 0; i < 8; ++i) look({from.x + 4 * static_cast<float>(i), from.y}, i > 0 && i < 7);
     ImGui::GetIO().KeyShift = false;
   };
   // Nothing takes what the background has found until all three are drawn.
@@ -202,13 +204,6 @@ TEST_F(Hands, DrawOnBeforeTheStrokeBeforeHasBeenSelected) {
 TEST_F(Hands, SeeWhatABrushWillSelectWhileTheStrokeBeforeIsBeingSelected) {
   ASSERT_TRUE(session.execute("tool brush"));
   const Selecting& selecting = session.models.front()->selecting;
-  const auto look = [&](const ImVec2& at, bool down) {
-    ImGui::GetIO().MouseDown[0] = down;
-    ImGui::GetIO().MousePos = at;
-    ImGui::NewFrame();
-    handle_input(ui);
-    ImGui::EndFrame();
-  };
   const auto wait = [&](const ImVec2& at, const auto& until) {
     for (int i = 0; i < 5000 && !until(); ++i) {
       look(at, true);
@@ -237,13 +232,6 @@ TEST_F(Hands, SeeWhatABrushWillSelectWhileTheStrokeBeforeIsBeingSelected) {
 
 TEST_F(Hands, FindALoopWhereTheyDrewItHoweverTheCameraHasMovedSince) {
   ASSERT_TRUE(session.execute("camera 0 0"));
-  const auto look = [&](const ImVec2& at, bool down) {
-    ImGui::GetIO().MouseDown[0] = down;
-    ImGui::GetIO().MousePos = at;
-    ImGui::NewFrame();
-    handle_input(ui);
-    ImGui::EndFrame();
-  };
   const auto loop = [&] {
     ASSERT_TRUE(session.execute("tool lasso"));
     look({240, 140}, false);
@@ -312,9 +300,7 @@ TEST_F(Hands, UseKeys) {
   // Escape cancels what runs, and takes nothing back that has been done.
   ASSERT_TRUE(session.execute("build"));
   io.KeysDown[301] = true;
-  ImGui::NewFrame();
-  handle_input(ui);
-  ImGui::EndFrame();
+  look({300, 200}, false);
   io.KeysDown[301] = false;
   frame({300, 200});
   EXPECT_NE(session.notice.find("cancelled"), std::string::npos) << session.notice;
