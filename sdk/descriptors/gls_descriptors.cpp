@@ -31,7 +31,8 @@ Expected<std::vector<float>> all_parameters(const GrowingLeastSquares& gls, cons
   const std::size_t scales = gls.scales().size();
   std::vector<float> rows(gls.points().positions.size() * scales * kParameters);
   for (std::size_t j = 0; j < scales; ++j) {
-    const auto fits = gls.at_points(j, task);
+    task.report("fitting spheres", static_cast<double>(j) / static_cast<double>(scales));
+    const auto fits = gls.at_points(j, {.stop = task.stop});  // whose progress is that of one scale
     if (!fits) return tl::unexpected(fits.error());
     for (std::size_t v = 0; v < fits->size(); ++v)
       std::ranges::copy(parameters((*fits)[v], gls.scales()[j]),

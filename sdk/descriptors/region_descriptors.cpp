@@ -72,15 +72,12 @@ std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh) {
   return std::make_unique<Quadrics>(std::move(means), kEntries, areas);
 }
 
-std::unique_ptr<Descriptor> patch_shape_context(const Surface& surface, const PatchContexts& contexts) {
-  constexpr std::size_t kBins = PatchContexts::kDistances * PatchContexts::kAngles;
-  std::vector<float> rows;
-  rows.reserve(surface.mesh.positions.size() * kBins);
-  for (std::size_t v = 0; v < surface.mesh.positions.size(); ++v) {
-    const Histogram context = contexts.of(VertexId(v));
-    rows.insert(rows.end(), context.begin(), context.end());
-  }
-  return std::make_unique<MeanHistograms>(std::move(rows), kBins, surface.vertex_areas);
+Expected<std::unique_ptr<Descriptor>> patch_shape_context(const Surface& surface, const PatchContexts& contexts,
+                                                          const Task& task) {
+  auto rows = contexts.of_all(task);
+  if (!rows) return tl::unexpected(rows.error());
+  return std::make_unique<MeanHistograms>(std::move(*rows), PatchContexts::kDistances * PatchContexts::kAngles,
+                                          surface.vertex_areas);
 }
 
 std::unique_ptr<Descriptor> approximate_shape_context(const Mesh& mesh, const ComponentIndex& index) {

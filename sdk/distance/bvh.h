@@ -120,6 +120,17 @@ void Bvh::descend(float limit, Bound&& bound, Visit&& visit) const noexcept {
   return sum;
 }
 
+/// 0 for each child whose box meets another one, infinite for the rest.
+[[nodiscard]] inline Eigen::Array4f misses(const Bvh::Node& node, const UnitBox& box) noexcept {
+  Eigen::Array4f result = Eigen::Array4f::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    result = (node.lower[k] <= box.upper[axis] && node.upper[k] >= box.lower[axis])
+                 .select(result, std::numeric_limits<float>::infinity());
+  }
+  return result;
+}
+
 /// Distance to each child's box, negative inside: below the signed distance to anything the box holds.
 [[nodiscard]] inline Eigen::Array4f signed_distances(const Bvh::Node& node, const Eigen::Vector3f& p) noexcept {
   Eigen::Array4f sum = Eigen::Array4f::Zero();

@@ -15,7 +15,7 @@ constexpr double kClearance = 0.4;
 
 }  // namespace
 
-Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
+Cavities::Cavities(const SphereMeshTree& tree, int resolution, const Task& task) {
   const auto [lower, upper] = tree.bounds();
   const double longest = (upper - lower).maxCoeff();
   if (!(longest > 0)) return;
@@ -32,8 +32,9 @@ Cavities::Cavities(const SphereMeshTree& tree, int resolution) {
   free_around_.assign(cells_.size(), static_cast<float>(spacing_ / 2));
   int size = 1;
   while (size < std::max({count_[0], count_[1], count_[2]})) size *= 2;
-  classify(tree, {0, 0, 0}, size);
-  flood(tree);
+  task.report("finding voids", 0);
+  classify(tree, {0, 0, 0}, size, task);
+  flood(tree, task);
   free_around_ = {};
   any_ = std::find(cells_.begin(), cells_.end(), Cell::Free) != cells_.end();
 }
@@ -42,7 +43,8 @@ Vector3d Cavities::middle(const std::array<int, 3>& cell) const noexcept {
   return origin_ + spacing_ * Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
 }
 
-void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size) {
+void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size, const Task& task) {
+  if (task.stopped()) return;
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (first[axis] >= count_[axis]) return;
   const Vector3d centre =
@@ -62,7 +64,7 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
   }
   const int half = size / 2;
   for (int k = 0; k < 8; ++k)
-    classify(tree, {first[0] + (k & 1) * half, first[1] + (k >> 1 & 1) * half, first[2] + (k >> 2) * half}, half);
+    classify(tree, {first[0] + (k & 1) * half, first[1] + (k >> 1 & 1) * half, first[2] + (k >> 2) * half}, half, task);
 }
 
 bool Cavities::joined(const SphereMeshTree& tree, const std::array<int, 3>& a, const std::array<int, 3>& b) const {
@@ -83,7 +85,7 @@ bool Cavities::joined(const SphereMeshTree& tree, const std::array<int, 3>& a, c
   return open(middle(a), at_a, middle(b), at_b);
 }
 
-void Cavities::flood(const SphereMeshTree& tree) {
+void Cavities::flood(const SphereMeshTree& tree, const Task& task) {
   // By rows along x: each stretch of free cells is filled at once, and its neighbours looked through for others.
   struct Stretch {
     int first, end, y, z;
@@ -99,7 +101,7 @@ void Cavities::flood(const SphereMeshTree& tree) {
     front.push_back(s);
   };
   fill(0, 0, 0);
-  while (!front.empty()) {
+  while (!front.empty() && !task.stopped()) {
     const Stretch s = front.back();
     front.pop_back();
     for (const auto& [dy, dz] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {

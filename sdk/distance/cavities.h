@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <armature/sdk/distance/sphere_mesh_tree.h>
+#include <armature/sdk/task.h>
 
 namespace armature::sdk {
 
@@ -13,8 +14,8 @@ namespace armature::sdk {
 /// free. A void whose way out is narrower than a cell counts as closed.
 class Cavities {
  public:
-  /// `resolution` cells along the longest side of the bounding box.
-  Cavities(const SphereMeshTree& tree, int resolution);
+  /// `resolution` cells along the longest side of the bounding box. What was stopped meanwhile tells nothing.
+  Cavities(const SphereMeshTree& tree, int resolution, const Task& task = {});
 
   /// Whether there is any closed void with a free cell.
   [[nodiscard]] bool any() const noexcept { return any_; }
@@ -38,8 +39,8 @@ class Cavities {
   [[nodiscard]] Space look(const SphereMeshTree& tree, const Eigen::Vector3d& x, NearestSphere& nearest) const noexcept;
   [[nodiscard]] Space explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
 
-  void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size);
-  void flood(const SphereMeshTree& tree);
+  void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size, const Task& task);
+  void flood(const SphereMeshTree& tree, const Task& task);
   /// Whether the way between the middles of two neighbouring free cells is free all along.
   [[nodiscard]] bool joined(const SphereMeshTree& tree, const std::array<int, 3>& a, const std::array<int, 3>& b) const;
   [[nodiscard]] Eigen::Vector3d middle(const std::array<int, 3>& cell) const noexcept;

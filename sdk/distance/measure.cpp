@@ -170,12 +170,11 @@ Expected<ApproximationErrors> measure(const Mesh& input, const SphereMesh& appro
   const auto diagonal = diagonal_of_input(input);
   if (!diagonal) return tl::unexpected(diagonal.error());
   if (approximation.spheres.empty()) return fail("the approximation has no spheres: expected one at least");
-  task.report("finding creases", 0);
-  const OuterSurface surface(approximation);
-  if (task.stopped()) return cancelled();
+  const auto surface = OuterSurface::build(approximation, {}, task);
+  if (!surface) return tl::unexpected(surface.error());
   const MeshTree tree(input);
-  return compare(probes_of(input, options.samples), probes_of(surface, options.samples), *diagonal, to_surface(surface),
-                 to_mesh(tree), task);
+  return compare(probes_of(input, options.samples), probes_of(*surface, options.samples), *diagonal,
+                 to_surface(*surface), to_mesh(tree), task);
 }
 
 Expected<ApproximationErrors> measure(const Mesh& input, const Mesh& approximation, const MeasureOptions& options,

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <armature/sdk/distance/outer_surface.h>
 #include <tbb/blocked_range.h>
@@ -38,16 +39,17 @@ struct OuterSurface::State {
   std::vector<OuterCrease> creases;  // in the order of their leaves
   Bvh crease_bvh;
 
-  State(const SphereMesh& sphere_mesh, const OuterSurfaceOptions& options)
+  /// Of no use where `task` was stopped meanwhile.
+  State(const SphereMesh& sphere_mesh, const OuterSurfaceOptions& options, const Task& task)
       : shape(sphere_mesh),
         tree(sphere_mesh),
         patches(patches_of(shape)),
         diagonal((shape.upper - shape.lower).norm()),
         depth(4e-8 * diagonal),
-        cavities(tree, options.cavity_grid),
+        cavities(tree, options.cavity_grid, task),
         frame(shape.frame()) {
     index_pieces();
-    index_creases(visible_creases(options));
+    index_creases(visible_creases(options, task));
   }
 
   /// Whether a point of a patch, with its outward normal, lies on the outer surface.
@@ -65,21 +67,26 @@ struct OuterSurface::State {
     for (const std::uint32_t k : piece_bvh.order()) pieces.push_back(all[k]);
   }
 
-  std::vector<OuterCrease> visible_creases(const OuterSurfaceOptions& options) const {
+  std::vector<OuterCrease> visible_creases(const OuterSurfaceOptions& options, const Task& task) const {
     const CreaseOptions crease_options{options.resolution * diagonal, options.tolerance * diagonal};
+    constexpr std::size_t kAtOnce = 256;  // between two reports
     std::vector<std::vector<OuterCrease>> found(patches.size());
-    tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t k) {
-      std::vector<CreaseSegment> all;
-      find_creases(shape, near(patches[k]), patches[k], crease_options, static_cast<std::uint32_t>(k), all);
-      VoidMemory memory;
-      for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, memory, found[k]);
-    });
+    for (std::size_t first = 0; first < patches.size() && !task.stopped(); first += kAtOnce) {
+      task.report("finding creases", static_cast<double>(first) / static_cast<double>(patches.size()));
+      tbb::parallel_for(first, std::min(first + kAtOnce, patches.size()), [&](std::size_t k) {
+        if (task.stopped()) return;
+        std::vector<CreaseSegment> all;
+        find_creases(shape, near(patches[k]), patches[k], crease_options, static_cast<std::uint32_t>(k), all);
+        VoidMemory memory;
+        for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, memory, found[k]);
+      });
+    }
     std::vector<OuterCrease> visible;
     for (const auto& part : found) visible.insert(visible.end(), part.begin(), part.end());
     return visible;
   }
 
-  /// The pieces whose boxes meet the patch's.
+  /// The pieces whose boxes meet the patch's, in the order of `shape.all()`.
   [[nodiscard]] std::vector<Piece> near(const Patch& patch) const {
     Vector3d lower = Vector3d::Constant(std::numeric_limits<double>::infinity());
     Vector3d upper = -lower;
@@ -90,10 +97,16 @@ struct OuterSurface::State {
     }
     const UnitBox box = unit_box(frame, lower, upper);
     std::vector<Piece> close;
-    for (const Piece piece : shape.all()) {
-      const UnitBox other = shape.box_of(frame, piece);
-      if ((other.lower <= box.upper).all() && (other.upper >= box.lower).all()) close.push_back(piece);
-    }
+    piece_bvh.descend(
+        0, [&](const Bvh::Node& node) { return misses(node, box); },
+        [&](std::size_t first, std::size_t count) {
+          for (std::size_t k = first; k < first + count; ++k) {
+            const UnitBox other = shape.box_of(frame, pieces[k]);
+            if ((other.lower <= box.upper).all() && (other.upper >= box.lower).all()) close.push_back(pieces[k]);
+          }
+          return 0.0F;
+        });
+    std::ranges::sort(close, {}, [](Piece piece) { return std::pair(piece.kind, piece.index); });
     return close;
   }
 
@@ -187,7 +200,16 @@ double OuterSurface::State::distance_within(const Vector3d& point) const noexcep
 }
 
 OuterSurface::OuterSurface(const SphereMesh& shape, const OuterSurfaceOptions& options)
-    : state_(std::make_unique<const State>(shape, options)) {}
+    : state_(std::make_unique<const State>(shape, options, Task())) {}
+OuterSurface::OuterSurface(std::unique_ptr<const State> state) : state_(std::move(state)) {}
+
+Expected<OuterSurface> OuterSurface::build(const SphereMesh& shape, const OuterSurfaceOptions& options,
+                                           const Task& task) {
+  auto state = std::make_unique<const State>(shape, options, task);
+  if (task.stopped()) return cancelled();
+  return OuterSurface(std::move(state));
+}
+
 OuterSurface::~OuterSurface() = default;
 OuterSurface::OuterSurface(OuterSurface&&) noexcept = default;
 OuterSurface& OuterSurface::operator=(OuterSurface&&) noexcept = default;

@@ -212,6 +212,18 @@ Histogram PatchContexts::of(VertexId vertex) const {
   return {context.begin(), context.end()};
 }
 
+Expected<std::vector<float>> PatchContexts::of_all(const Task& task) const {
+  constexpr std::size_t kShares = std::tuple_size_v<PatchContext>;
+  std::vector<float> contexts(state_->place_of.size() * kShares);
+  const auto& order = state_->vertices.order();
+  task.report("describing patches", 0);
+  const bool done = state_->for_each_point(state_->vertices, 1, task, [&](std::size_t at, const PointColumns& nearby) {
+    std::ranges::copy(state_->context(at, nearby), contexts.begin() + static_cast<std::ptrdiff_t>(order[at] * kShares));
+  });
+  if (!done) return cancelled();
+  return contexts;
+}
+
 Expected<std::vector<float>> PatchContexts::similarity_to(std::span<const float> context, const Task& task) const {
   constexpr std::size_t kShares = std::tuple_size_v<PatchContext>;
   if (context.size() != kShares)

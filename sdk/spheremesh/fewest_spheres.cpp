@@ -38,9 +38,10 @@ Expected<SphereMesh> fewest_spheres(const Mesh& mesh, const ErrorBound& bound, c
     if (task.stopped()) return cancelled();
     auto shape = approximate(spheres);
     if (!shape) return tl::unexpected(std::move(shape.error()));
-    const OuterSurface surface(*shape);
+    const auto surface = OuterSurface::build(*shape, {}, task);
+    if (!surface) return tl::unexpected(surface.error());
     double sum = 0;
-    for (const Eigen::Vector3d& p : samples) sum += std::abs(surface.signed_distance(p));
+    for (const Eigen::Vector3d& p : samples) sum += std::abs(surface->signed_distance(p));
     error = 100 * sum / (static_cast<double>(samples.size()) * diagonal);
     return error <= bound.percent ? std::optional(std::move(*shape)) : std::nullopt;
   };

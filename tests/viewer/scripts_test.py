@@ -16,6 +16,8 @@ import unittest
 import zlib
 from pathlib import Path
 
+import x_hands
+
 HERE = Path(__file__).resolve().parent
 BINARIES = Path("bin")  # set by main
 
@@ -57,6 +59,7 @@ class Viewer(unittest.TestCase):
         made = run("armature", "mesh", "sample", "creature", "creature.off", "--rounds", 5, folder=cls.models)
         assert made.returncode == 0, made.stderr
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
+        (cls.models / "broken.moves").write_text("level 8\nmove spheres 0 translate 0 1 0\nmove nothing\n")
         (cls.models / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n")
 
     @classmethod
@@ -81,9 +84,9 @@ class Viewer(unittest.TestCase):
         self.assertEqual(played.returncode, 0, played.stderr)
         return dict(line.partition(" ")[::2] for line in played.stdout.splitlines())
 
-    def wait_for(self, file, program):
+    def wait_for(self, is_there, program):
         deadline = time.monotonic() + 60
-        while not file.exists() and time.monotonic() < deadline and program.poll() is None:
+        while not is_there() and time.monotonic() < deadline and program.poll() is None:
             time.sleep(0.05)
 
     def script(self, name):
@@ -178,10 +181,10 @@ class Viewer(unittest.TestCase):
         viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--connect", endpoint, "--script",
                                    "script.txt"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
-            self.wait_for(self.folder / "there.png", viewer)
+            self.wait_for((self.folder / "there.png").exists, viewer)
             first.send_signal(signal.SIGKILL)
             first.wait()
-            self.wait_for(self.folder / "gone.png", viewer)
+            self.wait_for((self.folder / "gone.png").exists, viewer)
             second = daemon()
             try:
                 out, error = viewer.communicate(timeout=120)
@@ -279,7 +282,7 @@ class Viewer(unittest.TestCase):
         viewer = subprocess.Popen([BINARIES / "armature-viewer", "--headless", "--script", "script.txt"], cwd=self.folder,
                                   env={**os.environ, "TMPDIR": str(self.folder), "XDG_CONFIG_HOME": str(self.folder)},
                                   stderr=subprocess.PIPE, text=True)
-        self.wait_for(self.folder / "there.txt", viewer)
+        self.wait_for((self.folder / "there.txt").exists, viewer)
         viewer.send_signal(signal.SIGINT)
         _, error = viewer.communicate(timeout=60)
         self.assertEqual((viewer.returncode, error), (1, "armature-viewer: interrupted\n"))
@@ -295,6 +298,80 @@ class Viewer(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(size_of(self.folder / "window.png"), (1280, 800))
         self.assertEqual(size_of(self.folder / "small.png"), (320, 200))
+
+    def in_a_window(self, command, **options):
+        """Starts a program on a display of its own; the program's process and hands at its window."""
+        display = subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
+        self.addCleanup(display.stdout.close)
+        self.addCleanup(display.wait)
+        self.addCleanup(display.terminate)
+        name = ":" + display.stdout.readline().decode().strip()
+        environment = {**os.environ, "DISPLAY": name, "XDG_CONFIG_HOME": str(self.folder), "TMPDIR": str(self.folder),
+                       **options.pop("environment", {})}
+        environment.pop("WAYLAND_DISPLAY", None)
+        program = subprocess.Popen(command, cwd=self.folder, env=environment, stderr=subprocess.PIPE, text=True, **options)
+        self.addCleanup(program.stderr.close)
+        self.addCleanup(program.wait)
+        self.addCleanup(program.kill)
+        hands = x_hands.Hands(name, "Armature")
+        self.addCleanup(hands.close)
+        return program, hands
+
+    def saved_by_hand(self, hands, name):
+        """Ctrl+S and a name, until what was open at last has been written: opening it may take a while."""
+        for _ in range(20):
+            hands.press("Control_L", "s")
+            hands.type(name + "\n")
+            for _ in range(20):
+                if (self.folder / name).exists():
+                    return (self.folder / name).read_bytes()
+                time.sleep(0.1)
+            hands.press("Escape")
+        self.fail(f"{name} was not written")
+
+    @unittest.skipUnless(shutil.which("Xvfb") and x_hands.load(), "Xvfb or libXtst is missing")
+    def test_files_that_are_dropped_and_chosen_by_hand(self):
+        expected = {}
+        for model in ("creature", "animal"):
+            played = self.play([f"open {model}.off", f"save {model}2.off"])
+            self.assertEqual(played.returncode, 0, played.stderr)
+            expected[model] = (self.folder / f"{model}2.off").read_bytes()
+        viewer, hands = self.in_a_window([BINARIES / "armature-viewer"])
+        hands.point()
+        hands.drop(self.folder / "creature.off")
+        self.assertEqual(self.saved_by_hand(hands, "dropped.off"), expected["creature"])
+        hands.press("Control_L", "o")
+        hands.type("animal.off\n")
+        time.sleep(2)
+        self.assertEqual(self.saved_by_hand(hands, "opened.off"), expected["animal"])
+        hands.ask_to_close()
+        self.assertEqual(viewer.wait(timeout=60), 0)
+
+    @unittest.skipUnless(shutil.which("Xvfb") and x_hands.load(), "Xvfb or libXtst is missing")
+    def test_the_demo_opens_a_window_where_a_display_is(self):
+        made = run("armature", "synth", "stand", "person.oni", "--size", "320x240", folder=self.folder)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        # The script as it is, in a tree that is set up and built already.
+        tree = self.folder / "tree"
+        (tree / "tools").mkdir(parents=True)
+        (tree / "build/release").mkdir(parents=True)
+        (tree / "build/release/bin").symlink_to(BINARIES)
+        shutil.copy(HERE.parents[1] / "tools/demo", tree / "tools/demo")
+        for done in (tree / "tools/setup", tree / "cmake"):
+            done.write_text("#!/bin/sh\n")
+            done.chmod(0o755)
+        path = {"PATH": f"{tree}:{os.environ['PATH']}"}
+        demo, hands = self.in_a_window([tree / "tools/demo", "person.oni"], environment=path)
+        self.wait_for(lambda: list(self.folder.glob("armature-viewer.*/nav")), demo)
+        self.assertEqual(len(list(self.folder.glob("armature-viewer.*/nav"))), 1, "a daemon of its own")
+        hands.ask_to_close()
+        self.assertEqual(demo.wait(timeout=60), 0, demo.stderr)
+        self.assertEqual([left.name for left in self.folder.glob("armature*")], [])
+        plain = subprocess.run([tree / "tools/demo", "--plain", "--seconds", "3", "person.oni"], cwd=self.folder,
+                               env={**os.environ, **path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        self.assertEqual(plain.returncode, 0, plain.stderr)
+        self.assertGreater(len(plain.stdout.splitlines()), 2)
 
 
 if __name__ == "__main__":

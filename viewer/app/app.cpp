@@ -40,7 +40,12 @@ void App::lay_out(int width, int height) {
   const float sidebar = ui_.px(kSidebar);
   const bool has_room = w >= sidebar + ui_.px(kLeastView) && h >= ui_.px(kLeastHeight);
   const bool has_to_tell = session_.notice_is_error && !session_.notice.empty();
-  const float status = has_to_tell || h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
+  float status = has_to_tell || h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
+  if (status > 0 && !session_.job.running()) {
+    // What there is to tell may take several lines.
+    const float lines = ImGui::CalcTextSize(session_.notice.c_str(), nullptr, false, w - 2 * ui_.px(kStatusMargin)).y;
+    status = std::min(std::max(status, lines + ui_.px(18)), 0.6F * h);
+  }
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
   ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
   ui_.beside = {};

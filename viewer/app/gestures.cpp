@@ -18,6 +18,14 @@ using Points = std::vector<Eigen::Vector3d>;
 /// Says what a gesture would select that has gone on through more points. Called by one thread at a time.
 using Follower = std::function<sdk::Expected<Faces>(const Points&, const sdk::Task&)>;
 
+/// A line that waits for the gesture before, and what it was drawn with.
+struct Waiting {
+  std::string line;
+  std::weak_ptr<Model> model;
+  OrbitCamera camera;  // that a loop was seen with
+  sdk::Combine combine;
+};
+
 }  // namespace
 
 /// What the tool in hand does. What it would select is found in the background: the points that were drawn meanwhile
@@ -28,11 +36,13 @@ struct Gesture {
   const char* how = "new";                     ///< as its command says it
   double radius = 0;                           ///< of the brush that it began with
   Points points = {};                          ///< on the surface, that its command will hold
-  std::size_t followed = 0;                    ///< how many of them the follower has been told
+  bool drawing = false;                        ///< it goes on
+  std::size_t followed = 0;                    ///< how many of the points the follower has been told
   std::shared_ptr<const Follower> follower{};  ///< or none
+  Faces shown = {};                            ///< what it has found last
   Job following = {};                          ///< may still be about a gesture before
   bool selects = false;                        ///< the job that runs is of the gesture before
-  std::vector<std::string> waiting = {};       ///< for it: what was drawn meanwhile
+  std::vector<Waiting> waiting = {};           ///< for it: what was drawn meanwhile
 };
 
 ViewPoint view_point(const Ui& ui, const ImVec2& pixel) {
@@ -48,6 +58,7 @@ void issue_camera(Ui& ui, const OrbitCamera& c) {
 
 namespace {
 
+constexpr const char* kLasso = "lasso";
 /// A point of a stroke is so far from the one before, in units of layout.
 constexpr float kStep = 4;
 
@@ -80,12 +91,27 @@ void issue_gesture_line(Ui& ui, std::string line) {
   Gesture& gesture = *ui.gesture;
   gesture.selects = gesture.selects && ui.session.job.running();
   if (gesture.selects) {
-    gesture.waiting.push_back(std::move(line));
+    gesture.waiting.push_back({std::move(line), gesture.model, ui.session.camera, ui.session.combine});
     return;
   }
   const bool was_running = ui.session.job.running();
   ui.issue("{}", line);
   gesture.selects = ui.session.job.running() && !was_running;
+}
+
+/// Issues what has waited, as it was drawn: from where the camera stood then, combined as was chosen then.
+void issue_waiting(Ui& ui, const Waiting& drawn) {
+  const OrbitCamera camera = ui.session.camera;
+  const sdk::Combine combine = ui.session.combine;
+  const auto choose = [&](sdk::Combine how) {
+    if (how != ui.session.combine) ui.issue("combine {}", kCombines[static_cast<std::size_t>(how)]);
+  };
+  const bool seen = drawn.line.starts_with(kLasso);
+  choose(drawn.combine);
+  if (seen) issue_camera(ui, drawn.camera);
+  issue_gesture_line(ui, drawn.line);
+  if (seen) issue_camera(ui, camera);
+  choose(combine);
 }
 
 void lasso(Ui& ui) {
@@ -97,7 +123,7 @@ void lasso(Ui& ui) {
     words += fmt::format(" {:.5g} {:.5g}", at.x(), at.y());
   }
   issue_camera(ui, ui.session.camera);  // what a loop holds depends on it
-  issue_gesture_line(ui, "lasso" + words);
+  issue_gesture_line(ui, kLasso + words);
 }
 
 /// The command that the gesture was.
@@ -120,7 +146,7 @@ void issue_gesture(Ui& ui, const Gesture& gesture) {
       return;
     case Tool::Lasso: return lasso(ui);
     case Tool::Edge:
-      if (session.models[session.active_model]->selecting.reference.empty())
+      if (session.models[session.active_model]->selecting.reference.empty() && !gesture.selects)
         return ui.tell("select a region first; then drag its boundary");
       if (points.size() > 1)
         issue_gesture_line(ui, fmt::format("drag-edge {} {}", words_of(points.front()), words_of(points.back())));
@@ -185,19 +211,25 @@ Follower edge_follower(const Model& model) {
   };
 }
 
-/// What the tool in hand selects, if that is to be seen while it is drawn.
-std::optional<Follower> follower(Ui& ui, const Model& model) {
-  const ImGuiIO& io = ImGui::GetIO();
-  switch (ui.session.tool) {
-    case Tool::Cut: return cut_follower(model, io.KeyShift);
+/// What a gesture selects, if that is to be seen while it is drawn.
+std::optional<Follower> follower(const Gesture& gesture, const Model& model) {
+  const std::string_view how = gesture.how;
+  switch (gesture.tool) {
+    case Tool::Cut: return cut_follower(model, how == "add");
     case Tool::Brush:
-      return brush_follower(model, brush_radius(ui), io.KeyShift || io.KeyCtrl,
-                            io.KeyCtrl && !io.KeyShift ? sdk::Brush::Background : sdk::Brush::Patch);
+      return brush_follower(model, gesture.radius, how != "new",
+                            how == "background" ? sdk::Brush::Background : sdk::Brush::Patch);
     case Tool::Edge:
       if (model.selecting.reference.empty()) return std::nullopt;
       return edge_follower(model);
     default: return std::nullopt;
   }
+}
+
+/// Whether what a gesture goes on from is there: it begins anew, or all gestures before have been selected.
+bool can_be_followed(const Session& session, const Gesture& gesture) {
+  if (!session.job.running()) return gesture.waiting.empty();
+  return gesture.selects && gesture.tool != Tool::Edge && std::string_view(gesture.how) == "new";
 }
 
 /// Draws on to where the mouse is.
@@ -222,10 +254,10 @@ void begin_gesture(Ui& ui) {
   gesture.how = io.KeyShift ? "add" : io.KeyCtrl && session.tool == Tool::Brush ? "background" : "new";
   gesture.radius = brush_radius(ui);
   gesture.points.clear();
+  gesture.drawing = true;
   gesture.followed = 0;
   gesture.follower.reset();
-  if (model->mesh && !session.job.running())
-    if (auto made = follower(ui, *model)) gesture.follower = std::make_shared<const Follower>(std::move(*made));
+  gesture.shown.clear();
   ui.stroke.clear();
   draw_on(ui, io.MousePos);
 }
@@ -238,6 +270,7 @@ void continue_gesture(Ui& ui) {
 void end_gesture(Ui& ui) {
   const ImVec2 mouse = ImGui::GetIO().MousePos, last = ui.stroke.back();
   if (mouse.x != last.x || mouse.y != last.y) draw_on(ui, mouse);
+  ui.gesture->drawing = false;
   ui.gesture->follower.reset();
   ui.gesture->following.cancel();
   issue_gesture(ui, *ui.gesture);
@@ -251,11 +284,15 @@ bool follow_stroke(Ui& ui) {
   Gesture& gesture = *ui.gesture;
   static_cast<void>(gesture.following.poll());
   const auto model = gesture.model.lock();
+  if (gesture.drawing && !gesture.follower && model && model->mesh && can_be_followed(ui.session, gesture))
+    if (auto made = follower(gesture, *model)) gesture.follower = std::make_shared<const Follower>(std::move(*made));
   if (!gesture.follower) {
     // What it showed stays until the selection takes its place.
     if (model && !ui.session.job.running()) show(*model, {});
     return false;
   }
+  // The gesture before has been selected meanwhile.
+  if (model && model->selecting.drawn.empty()) show(*model, gesture.shown);
   if (gesture.following.running()) return true;
   if (!model || gesture.followed == gesture.points.size()) return false;
   const auto first = gesture.points.begin() + static_cast<std::ptrdiff_t>(gesture.followed);
@@ -266,7 +303,9 @@ bool follow_stroke(Ui& ui) {
                             auto faces = (*follower)(points, task);
                             if (!faces) return tl::unexpected(faces.error());
                             return Job::Apply([&gesture, model, follower, faces = std::move(*faces)] {
-                              if (gesture.follower == follower) show(*model, faces);
+                              if (gesture.follower != follower) return;
+                              gesture.shown = faces;
+                              show(*model, faces);
                             });
                           });
   return true;
@@ -275,16 +314,15 @@ bool follow_stroke(Ui& ui) {
 }  // namespace
 
 bool follow_gesture(Ui& ui) {
+  if (ui.gesture && !ui.session.job.running()) ui.gesture->selects = false;
   if (ui.gesture && !ui.gesture->waiting.empty() && !ui.session.job.running()) {
     Gesture& gesture = *ui.gesture;
-    const std::string line = std::move(gesture.waiting.front());
+    const Waiting drawn = std::move(gesture.waiting.front());
     gesture.waiting.erase(gesture.waiting.begin());
-    gesture.selects = false;
-    const auto model = gesture.model.lock();
-    if (ui.session.models.empty() || model != ui.session.models[ui.session.active_model]) {
+    if (ui.session.models.empty() || drawn.model.lock() != ui.session.models[ui.session.active_model]) {
       gesture.waiting.clear();
     } else {
-      issue_gesture_line(ui, line);
+      issue_waiting(ui, drawn);
     }
   }
   const bool pose = follow_gizmo(ui);

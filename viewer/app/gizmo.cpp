@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "viewer/app/gestures.h"
 #include "viewer/app/theme.h"
-#include "viewer/app/ui.h"
 #include "viewer/session/posing.h"
 
 namespace armature::viewer {
@@ -115,10 +115,7 @@ void issue(Ui& ui, Grip grip, const sdk::SphereMove& move) {
 /// Chooses the sphere, edge or triangle under the mouse; Shift adds to what is held.
 void choose(Ui& ui, Model& model) {
   const ImGuiIO& io = ImGui::GetIO();
-  const float half = ui.view.size.y / 2;
-  const ViewPoint at((io.MousePos.x - ui.view.at.x - ui.view.size.x / 2) / half,
-                     (ui.view.at.y + half - io.MousePos.y) / half);
-  const auto hit = model.sphere_tree().intersect(ui.session.camera.ray(at));
+  const auto hit = model.sphere_tree().intersect(ui.session.camera.ray(view_point(ui, io.MousePos)));
   if (!hit) return;
   std::set<std::size_t> chosen;
   if (io.KeyShift)
@@ -133,12 +130,16 @@ void choose(Ui& ui, Model& model) {
   ui.issue("handle {}", fmt::join(chosen, " "));
 }
 
+bool poses(const Session& session) {
+  return session.mode == Mode::Shapes && session.tool == Tool::Pose;
+}
+
 /// A drag ends where what it held is held no longer: by an undo, another tool or model.
 void drop_stale_drag(const Session& session, GizmoDrag& drag) {
   if (drag.grip == Grip::None || session.job.running()) return;
   const auto model = drag.model.lock();
   const bool active = model && !session.models.empty() && session.models[session.active_model] == model;
-  if (!active || !model->posing || session.tool != Tool::Pose || model->handle != drag.held) drag.grip = Grip::None;
+  if (!active || !model->posing || !poses(session) || model->handle != drag.held) drag.grip = Grip::None;
 }
 
 }  // namespace
@@ -148,8 +149,7 @@ bool handle_gizmo(Ui& ui, bool over) {
   if (!ui.drag) ui.drag = std::make_shared<GizmoDrag>();
   GizmoDrag& drag = *ui.drag;
   drop_stale_drag(session, drag);
-  if (session.tool != Tool::Pose || session.models.empty() || !session.models[session.active_model]->posing)
-    return false;
+  if (!poses(session) || session.models.empty() || !session.models[session.active_model]->posing) return false;
   Model& model = *session.models[session.active_model];
   const ImGuiIO& io = ImGui::GetIO();
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();

@@ -17,7 +17,7 @@ constexpr float kTurnADrag = 3.5F;
 /// Walking by hand.
 constexpr double kWalk_m_s = 2.0, kTurn_rad_s = 1.1;
 
-enum class Drag { None, Orbit, Pan, Tool, Walk };
+using Drag = Ui::Drag;
 
 void move_camera(Ui& ui, Drag drag, const ImVec2& by) {
   OrbitCamera camera = ui.session.camera;
@@ -31,8 +31,7 @@ void move_camera(Ui& ui, Drag drag, const ImVec2& by) {
 }
 
 void handle_mouse(Ui& ui) {
-  static Drag drag = Drag::None;
-  static int button = 0;
+  Drag& drag = ui.dragging;
   const Session& session = ui.session;
   const ImGuiIO& io = ImGui::GetIO();
   const bool over = ui.view.holds(io.MousePos) && !io.WantCaptureMouse;
@@ -42,7 +41,7 @@ void handle_mouse(Ui& ui) {
   if (drag == Drag::None && over) {
     for (const int pressed : {0, 1, 2}) {
       if (!io.MouseClicked[pressed]) continue;
-      button = pressed;
+      ui.button = pressed;
       if (walks) {
         drag = Drag::Walk;
       } else if (looks && !session.models.empty()) {
@@ -57,7 +56,7 @@ void handle_mouse(Ui& ui) {
   const bool moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0;
   if ((drag == Drag::Orbit || drag == Drag::Pan) && moved) move_camera(ui, drag, io.MouseDelta);
   if (drag == Drag::Tool && moved) continue_gesture(ui);
-  if (drag != Drag::None && !io.MouseDown[button]) {
+  if (drag != Drag::None && !io.MouseDown[ui.button]) {
     if (drag == Drag::Tool) end_gesture(ui);
     drag = Drag::None;
   }
@@ -110,6 +109,7 @@ void handle_keys(Ui& ui) {
   if (io.WantTextInput) return;
   if (io.KeyCtrl) {
     if (ImGui::IsKeyPressed('O', false)) ui.dialog = true, ui.saving = false;
+    if (ImGui::IsKeyPressed('S', false) && !ui.session.models.empty()) ui.dialog = ui.saving = true;
     if (ImGui::IsKeyPressed('Z', false)) ui.issue("{}", io.KeyShift ? "redo" : "undo");
     if (ImGui::IsKeyPressed('Y', false)) ui.issue("redo");
     return;

@@ -72,12 +72,14 @@ int main(int argc, char** argv) {
   app.add_flag("--person", arguments.person, "walk with a synthetic person: starts a daemon of its own");
   app.add_flag("--headless", arguments.headless, "no window: play the script and end");
   app.set_version_flag("--version", ARMATURE_VERSION);
-  app.footer("Commands, in scripts and in the log of the window:\n" + list_of_commands() +
-             "\nA line that begins with `try` may fail. # begins a comment.\n\n"
-             "Examples:\n"
-             "  armature-viewer creature.off\n"
-             "  armature-viewer --person\n"
-             "  armature-viewer creature.off --script demo.txt --screenshot demo.png --size 1280x800");
+  app.footer(
+      "Commands, in scripts and in the log of the window:\n" + list_of_commands() +
+      "\nA line that begins with `try` may fail; one that begins with `meanwhile` does not wait for the work of those "
+      "before it. # begins a comment.\n\n"
+      "Examples:\n"
+      "  armature-viewer creature.off\n"
+      "  armature-viewer --person\n"
+      "  armature-viewer creature.off --script demo.txt --screenshot demo.png --size 1280x800");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -77,53 +77,42 @@ void MeshDrawing::recolour(const Made& made, const Shape& shape, const Colours& 
   ++changes_;
 }
 
-void MeshDrawing::show(Drawing fine, std::optional<Drawing> coarse, std::vector<sdk::FaceId> coarse_source) {
-  fine_ = std::move(fine);
-  coarse_ = std::move(coarse);
-  coarse_source_ = std::move(coarse_source);
+void MeshDrawing::send(Made made) {
+  sent_source_ = std::move(made.coarse_source);
+  sending_.emplace_back(std::move(made.fine));
+  if (made.coarse) sending_.emplace_back(std::move(made.coarse));
+}
+
+/// Sends on, and shows it once all of it is there.
+void MeshDrawing::go_on() {
+  auto sent = take_sent();
+  if (!sent) return;
+  fine_ = std::move(sent->front());
+  coarse_.reset();
+  if (sent->size() > 1) coarse_ = std::move(sent->back());
+  coarse_source_ = std::move(sent_source_);
   shape_ = asked_;
   colours_ = asked_colours_;
   ++changes_;
 }
 
-/// Sends on, and shows it once all of it is there.
-void MeshDrawing::go_on() {
-  if (!sending_ || !sending_->fine.go_on() || (sending_->coarse && !sending_->coarse->go_on())) return;
-  std::optional<Drawing> coarse;
-  if (sending_->coarse) coarse = sending_->coarse->take();
-  auto made = std::move(sending_->made);
-  show(sending_->fine.take(), std::move(coarse), std::move(made->coarse_source));
-  sending_.reset();
-  if (making_.running()) return;  // what nobody wants any more
-  // Lists of a million triangles take a while to go, too.
-  making_.start("drawing", [made = std::move(made)](const sdk::Task&) mutable {
-    made.reset();
-    return sdk::Expected<Job::Apply>(Job::Apply());
-  });
-}
-
-void MeshDrawing::rest() {
-  making_.cancel();
-  static_cast<void>(making_.poll());
-  sending_.reset();
+void MeshDrawing::clear() {
+  rest();
+  if (!fine_) return;
+  fine_.reset();
+  coarse_.reset();
+  ++changes_;
 }
 
 void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once) {
-  const Shape shape{model, model->mesh_revision, looks.mesh, looks.wireframe};
+  const Shape shape{Identity(model), model->mesh_revision, looks.mesh, looks.wireframe};
   const Colours colours{model->colour_revision, looks.map};
-  if (auto wrong = making_.poll_failure()) {
-    complaint_ = std::move(wrong);
-    failed_ = true;
-  }
+  take_made();
   if (making() && asked_.model != shape.model) rest();
   go_on();
   const auto is_shown = [&] { return fine_ && shape_ == shape && colours_ == colours; };
   if (is_shown()) return;
-  if (fine_ && shape_.model != shape.model) {
-    fine_.reset();
-    coarse_.reset();
-    ++changes_;
-  }
+  if (fine_ && shape_.model != shape.model) clear();
   const bool at_last = at_once || model->shown_mesh().triangles.size() <= most_fluent_faces_;
   if (at_last) rest();
   if (!at_last && (making() || (failed_ && asked_ == shape && asked_colours_ == colours))) return;
@@ -133,12 +122,11 @@ void MeshDrawing::follow(const std::shared_ptr<const Model>& model, const Looks&
   asked_colours_ = colours;
   const auto take = [this, shape, colours](const std::shared_ptr<Made>& made) {
     if (!made->fine) return recolour(*made, shape, colours);
-    sending_.emplace(OnItsWay{Sending(made->fine), {}, made});
-    if (made->coarse) sending_->coarse.emplace(made->coarse);
+    send(std::move(*made));
   };
   if (at_last) {
     take(std::make_shared<Made>(make(source_of(model, looks, is_new))));
-    while (sending_) go_on();
+    while (!sending_.empty()) go_on();
     return;
   }
   making_.start("drawing", [take, source = source_of(model, looks, is_new)](const sdk::Task&) {

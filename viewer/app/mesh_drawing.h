@@ -19,8 +19,8 @@ inline constexpr Palette kShapePalette = {.background_top = {250, 250, 249}, .ba
 
 /// A model's mesh on the card, and a coarser one of it where it is large, to draw while something moves. What is sent
 /// to the card of a large mesh is made in the background and sent in bits; until it is there the drawings are those of
-/// before, or none of another model. Made, used and deleted while its context is current.
-class MeshDrawing {
+/// before, or none of another model.
+class MeshDrawing : public BackgroundDrawing {
  public:
   /// A mesh of more faces is large; the coarser one has a grid of so many cells along its longest side.
   MeshDrawing(std::size_t most_fluent_faces, std::size_t coarse_cells)
@@ -29,25 +29,18 @@ class MeshDrawing {
   /// Shows what the model looks like now, or as soon as it is made; `at_once`: now, however long that takes.
   void follow(const std::shared_ptr<const Model>& model, const Looks& looks, bool at_once);
 
-  /// Nothing of it is shown: what is being made is not wanted.
-  void rest();
+  /// Nothing is shown any more.
+  void clear();
 
   ///@{
   /// Or none.
   [[nodiscard]] const Drawing* fine() const noexcept { return fine_ ? &*fine_ : nullptr; }
   [[nodiscard]] const Drawing* coarse() const noexcept { return coarse_ ? &*coarse_ : nullptr; }
   ///@}
-  /// How often they have changed.
-  [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
-  /// What kept it from being made, once: it is not tried again until something else is to be drawn.
-  [[nodiscard]] std::optional<std::string> take_complaint() { return std::exchange(complaint_, std::nullopt); }
-  /// Whether others are being made.
-  [[nodiscard]] bool making() const noexcept { return making_.running() || sending_.has_value(); }
-
  private:
   /// What is drawn.
   struct Shape {
-    std::shared_ptr<const void> model = nullptr;  // held, so that no other takes its place
+    Identity model = {};
     std::uint64_t revision = 0;
     MeshLook look = MeshLook::Solid;
     bool wireframe = false;
@@ -69,25 +62,14 @@ class MeshDrawing {
   [[nodiscard]] Source source_of(const std::shared_ptr<const Model>& model, const Looks& looks, bool is_new) const;
   [[nodiscard]] static Made make(const Source& source);
   void recolour(const Made& made, const Shape& shape, const Colours& colours);
-  void show(Drawing fine, std::optional<Drawing> coarse, std::vector<sdk::FaceId> coarse_source);
-  /// What was made, on its way to the card.
-  struct OnItsWay {
-    Sending fine;
-    std::optional<Sending> coarse;
-    std::shared_ptr<Made> made;
-  };
+  void send(Made made);
   void go_on();
 
   std::size_t most_fluent_faces_, coarse_cells_;
   std::optional<Drawing> fine_, coarse_;
-  std::vector<sdk::FaceId> coarse_source_;  // by face of the coarse mesh: which face of the mesh it was
-  Shape shape_, asked_;                     // of the drawings; of those that are being made
+  std::vector<sdk::FaceId> coarse_source_, sent_source_;  // by face of the coarse mesh: which face of the mesh it was
+  Shape shape_, asked_;                                   // of the drawings; of those that are being made
   Colours colours_, asked_colours_;
-  std::uint64_t changes_ = 0;
-  Job making_;
-  bool failed_ = false;  // to make what was asked for
-  std::optional<std::string> complaint_;
-  std::optional<OnItsWay> sending_;
 };
 
 }  // namespace armature::viewer

@@ -22,28 +22,20 @@ void SpheresDrawing::show(Drawing drawing, const Key& key) {
   ++changes_;
 }
 
-void SpheresDrawing::rest() {
-  making_.cancel();
-  static_cast<void>(making_.poll());
-  sending_.reset();
+void SpheresDrawing::clear() {
+  rest();
+  if (!drawing_) return;
+  drawing_.reset();
+  ++changes_;
 }
 
 void SpheresDrawing::follow(const std::shared_ptr<const Model>& model, SpheresLook look, bool at_once) {
-  const Key key{model, model->spheres_revision, look};
-  if (auto wrong = making_.poll_failure()) {
-    complaint_ = std::move(wrong);
-    failed_ = true;
-  }
+  const Key key{Identity(model), model->spheres_revision, look};
+  take_made();
   if (making() && asked_.model != key.model) rest();
-  if (sending_ && sending_->go_on()) {
-    show(sending_->take(), asked_);
-    sending_.reset();
-  }
+  if (auto sent = take_sent()) show(std::move(sent->front()), asked_);
   if (drawing_ && key_ == key) return;
-  if (drawing_ && key_.model != key.model) {
-    drawing_.reset();
-    ++changes_;
-  }
+  if (drawing_ && key_.model != key.model) clear();
   const sdk::SphereMesh& shape = model->spheres->shape;
   if (at_once || shape.spheres.size() <= most_at_once_) {
     rest();
@@ -54,7 +46,7 @@ void SpheresDrawing::follow(const std::shared_ptr<const Model>& model, SpheresLo
   asked_ = key;
   making_.start("drawing", [this, frame = model->around(), shape, look](const sdk::Task&) {
     auto scene = std::make_shared<const Scene>(scene_of(frame, shape, look));
-    return sdk::Expected<Job::Apply>([this, scene] { sending_.emplace(scene); });
+    return sdk::Expected<Job::Apply>([this, scene] { sending_.emplace_back(scene); });
   });
 }
 

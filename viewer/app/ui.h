@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,10 @@ struct Area {
   }
 };
 
+/// Beside what the status bar says, units of layout.
+inline constexpr float kStatusMargin = 14;
+
+struct FileDialog;
 struct Gesture;
 struct GizmoDrag;
 
@@ -34,14 +39,18 @@ struct Ui {
   ImTextureID depth = nullptr;         ///< the depth picture, once there is one
   float depth_aspect = 1;
 
-  Likeness like_by = Likeness::Gls;            ///< what the next spot is compared by
-  bool sidebar = true;                         ///< Tab hides it; a small window has none
-  bool dialog = false;                         ///< the file dialog is open
-  bool saving = false;                         ///< to write instead of to open
-  bool log = false;                            ///< the list of commands is open
-  std::vector<ImVec2> stroke = {};             ///< what the mouse draws at the moment, in pixels
-  std::shared_ptr<Gesture> gesture = nullptr;  ///< what it does there; and whether that is still being found
-  std::shared_ptr<GizmoDrag> drag = nullptr;   ///< what a handle of a pose is dragged to
+  enum class Drag : std::uint8_t { None, Orbit, Pan, Tool, Walk };
+  Drag dragging = Drag::None;                   ///< what the mouse does in the view since a button went down,
+  int button = 0;                               ///< which one
+  Likeness like_by = Likeness::Gls;             ///< what the next spot is compared by
+  bool sidebar = true;                          ///< Tab hides it; a small window has none
+  bool dialog = false;                          ///< the file dialog is open
+  std::shared_ptr<FileDialog> files = nullptr;  ///< what it remembers
+  bool saving = false;                          ///< to write instead of to open
+  bool log = false;                             ///< the list of commands is open
+  std::vector<ImVec2> stroke = {};              ///< what the mouse draws at the moment, in pixels
+  std::shared_ptr<Gesture> gesture = nullptr;   ///< what it does there; and whether that is still being found
+  std::shared_ptr<GizmoDrag> drag = nullptr;    ///< what a handle of a pose is dragged to
   bool following = false;
 
   /// Carries a command out; what fails is shown as the session's notice.
@@ -89,6 +98,8 @@ bool accent_button(const char* label, float width = 0);
 bool small_button(const char* label);
 ImVec2 small_padding();
 void hint(const char* text);
+/// What the mouse rests on, the item before, in more words.
+void explain(const char* text);
 ///@}
 
 }  // namespace armature::viewer

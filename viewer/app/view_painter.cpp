@@ -27,10 +27,9 @@ sdk::Expected<ViewPainter> ViewPainter::create(const Options& options) {
   return ViewPainter(std::move(*quick), std::move(*careful), options);
 }
 
-void ViewPainter::keep(Kept& kept, Key key, const Scene& scene) {
-  kept.drawing.reset();  // first: two of a million triangles are a lot
+void ViewPainter::keep(Kept& kept, int look, const Scene& scene) {
   kept.drawing.emplace(scene);
-  kept.key = std::move(key);
+  kept.look = look;
   kept.made = ++made_;
 }
 
@@ -60,15 +59,15 @@ void ViewPainter::gather_city(const Walk& walk) {
     Scene scene(frame, kCity);
     scene.add(walk.city().buildings);
     scene.add(walk.city().trees);
-    keep(city_, {}, scene);
+    keep(city_, 0, scene);
   }
   show(city_);
   if (!walk.task()) return;
-  const Key key{.look = walk.task()->close() ? 1 : 0};
-  if (ribbon_.key != key || !ribbon_.drawing) {
+  const int look = walk.task()->close() ? 1 : 0;
+  if (ribbon_.look != look || !ribbon_.drawing) {
     Scene scene(frame, kCity);
     scene.add(make_ribbon(walk.task()->path(), 1.0, walk.task()->close() ? kClose : kFar));
-    keep(ribbon_, key, scene);
+    keep(ribbon_, look, scene);
   }
   show(ribbon_);
 }
@@ -79,6 +78,10 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   shows_.clear();
   const double aspect = static_cast<double>(width) / height;
   const bool walks = session.mode == Mode::Walk;
+  if (!model) {
+    mesh_->clear();
+    spheres_->clear();
+  }
   if (walks || !model || !model->mesh || session.looks.mesh == MeshLook::Off) mesh_->rest();
   if (walks || !model || !model->spheres || session.looks.spheres == SpheresLook::Off) spheres_->rest();
   if (walks) {
@@ -87,7 +90,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
     if (model) gather_shapes(session.looks, model, careful);
   }
   if (drawings_.empty()) {
-    if (!nothing_.drawing) keep(nothing_, {}, Scene({Eigen::Vector3d::Zero(), 1}, kShapePalette));
+    if (!nothing_.drawing) keep(nothing_, 0, Scene({Eigen::Vector3d::Zero(), 1}, kShapePalette));
     show(nothing_);
   }
   const Camera camera =

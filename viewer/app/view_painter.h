@@ -58,15 +58,9 @@ class ViewPainter {
   [[nodiscard]] bool awaits() const noexcept { return !rough_ && making(); }
 
  private:
-  /// What a drawing was made from; another one is made where it differs.
-  struct Key {
-    std::shared_ptr<const void> model = nullptr;  // held, so that no other takes its place
-    std::uint64_t revision = 0;
-    int look = 0;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
+  /// A drawing, and how it looks; another one is made where that differs.
   struct Kept {
-    Key key = {};
+    int look = 0;
     std::optional<Drawing> drawing = {};
     double made = 0;  // the how-manyth drawing it is
   };
@@ -78,7 +72,7 @@ class ViewPainter {
         mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)),
         spheres_(std::make_unique<SpheresDrawing>(options.most_fluent_spheres)) {}
   [[nodiscard]] bool making() const noexcept { return mesh_->making() || spheres_->making(); }
-  void keep(Kept& kept, Key key, const Scene& scene);
+  void keep(Kept& kept, int look, const Scene& scene);
   void show(const Kept& kept);
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once);
   void gather_city(const Walk& walk);

@@ -99,7 +99,10 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     playlist.step(session);
     int width = 0, height = 0;
     glfwGetFramebufferSize(w.window, &width, &height);
-    if (width < 16 || height < 16) continue;  // minimised
+    if (width < 16 || height < 16) {  // minimised
+      glfwWaitEventsTimeout(1.0 / 60);
+      continue;
+    }
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;

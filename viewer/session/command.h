@@ -19,7 +19,7 @@ struct Command {
   std::string_view usage;  ///< its arguments
   std::string_view help;   ///< one line
   sdk::Expected<void> (*run)(Session&, Arguments&);
-  bool while_busy = false;  ///< also while a job runs, and without waiting for it in a script
+  bool while_busy = false;  ///< also while a job runs
 };
 
 ///@{

@@ -93,7 +93,7 @@ Described describe(const MeshShape& shape, Likeness by, double radius, const sdk
     case Likeness::Psc: {
       const auto contexts = sdk::PatchContexts::build(surface, radius, task);
       if (!contexts) return tl::unexpected(contexts.error());
-      return shared(sdk::patch_shape_context(surface, *contexts));
+      return shared(sdk::patch_shape_context(surface, *contexts, task));
     }
     case Likeness::Gls: break;
   }

@@ -1,6 +1,7 @@
 #include "viewer/session/job.h"
 
 #include <new>
+#include <stdexcept>
 #include <utility>
 
 namespace armature::viewer {
@@ -22,6 +23,9 @@ void Job::start(std::string title, Work work, bool whole) {
     try {
       result = work(task);
     } catch (const std::bad_alloc&) {  // the message is there already
+    } catch (const std::length_error&) {
+    } catch (const std::exception& error) {
+      result = sdk::fail(std::string("this went wrong: ") + error.what());
     }
     const std::lock_guard lock(state->mutex);
     state->result = std::move(result);

@@ -37,14 +37,14 @@ sdk::Sphere sphere_around(const sdk::SphereMesh& shape) {
   return around;
 }
 
+}  // namespace
+
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return extension;
 }
-
-}  // namespace
 
 MeshShape::MeshShape(sdk::Mesh of)
     : mesh(std::move(of)),
@@ -116,6 +116,14 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   spheres->hierarchy = std::move(hierarchy);
   spheres->shape = spheres->cursor->sphere_mesh();
   ++spheres_revision;
+}
+
+std::shared_ptr<const void> Model::take_spheres() {
+  if (!spheres) return nullptr;
+  auto taken = std::make_shared<SphereShape>(std::move(*spheres));
+  spheres.reset();
+  ++spheres_revision;
+  return taken;
 }
 
 void Model::lay(std::shared_ptr<const Pose> as) {

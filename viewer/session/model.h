@@ -120,6 +120,8 @@ struct Model {
   /// Replaces the level that is shown; the hierarchy stays, and its next level comes from there.
   void set_refined(sdk::SphereMesh shape);
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
+  /// Has no spheres any more; what they were, which may take a while to go, or none.
+  std::shared_ptr<const void> take_spheres();
   ///@{
   /// Shows spheres and mesh as they lie from now on; as they would lie, or no longer.
   void lay(std::shared_ptr<const Pose> as);
@@ -132,6 +134,9 @@ struct Model {
   /// For picking; there must be spheres.
   [[nodiscard]] const sdk::SphereMeshTree& sphere_tree();
 };
+
+/// The file's extension in small letters, with its dot.
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
 
 /// Reads a mesh, a sphere-mesh or a hierarchy (.smh), whatever the file holds.
 [[nodiscard]] sdk::Expected<std::shared_ptr<Model>> read_model(const std::filesystem::path& path,

@@ -70,10 +70,11 @@ Posing::Laid Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
 
 Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
   return after([&] {
-    const std::size_t before = steps();
+    const std::size_t before = steps(), level = session_.shape().spheres.size();
     auto done = session_.replay(text, name);
-    if (!done)
-      for (std::size_t more = steps(); more > before; --more) session_.undo();
+    if (done) return done;
+    for (std::size_t more = steps(); more > before; --more) session_.undo();
+    if (auto back = session_.go_to(level); !back) return back;
     return done;
   });
 }

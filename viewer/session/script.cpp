@@ -24,16 +24,21 @@ void Script::append(Script other) {
 }
 
 sdk::Expected<void> Script::step(Session& session) {
-  while (!session.busy() && !session.picture && !session.quit) {
+  while (!session.picture && !session.quit) {
+    std::string_view text = next_ < lines_.size() ? lines_[next_].text : std::string_view();
+    const auto begins_with = [&text](std::string_view word) {
+      if (!text.starts_with(word)) return false;
+      text.remove_prefix(word.size());
+      return true;
+    };
+    if (begins_with("meanwhile ") ? session.waits() : session.busy()) return {};
     if (session.failed) return sdk::fail((next_ > 0 ? lines_[next_ - 1].place : "") + session.notice);
     session.waiting = nullptr;  // what was waited for has come
     if (next_ == lines_.size()) return {};
-    const auto& [text, place] = lines_[next_++];
-    constexpr std::string_view kTry = "try ";
-    const bool forgiving = text.starts_with(kTry);
-    session.forgiving = forgiving;
-    const auto done = session.execute(forgiving ? text.substr(kTry.size()) : text);
-    if (!done && !forgiving) return sdk::fail(place + done.error().message);
+    session.forgiving = begins_with("try ");
+    const std::string& place = lines_[next_++].place;
+    const auto done = session.execute(text);
+    if (!done && !session.forgiving) return sdk::fail(place + done.error().message);
   }
   return {};
 }

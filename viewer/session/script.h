@@ -11,7 +11,7 @@
 namespace armature::viewer {
 
 /// Lines that are carried out one after another, each when the work of those before it is done. A line that begins with
-/// `try` may fail.
+/// `meanwhile` does not wait for that work; one that begins with `try`, or goes on so, may fail.
 class Script {
  public:
   Script() = default;

@@ -12,7 +12,7 @@ namespace {
 
 /// Points at which the error of a level is measured while the slider moves.
 constexpr std::size_t kLevelSamples = 20'000;
-/// Of more spheres measuring takes minutes, in which it cannot be cancelled.
+/// Measuring more spheres takes minutes of all cores.
 constexpr std::size_t kMostMeasured = 10'000;
 /// How long a notice that is no error is shown.
 constexpr auto kNoticeStays = std::chrono::seconds(8);

@@ -37,6 +37,7 @@ inline const std::vector<std::string_view> kPanels = {"look", "spheres", "select
 inline const std::vector<std::string_view> kTools = {"look", "click", "cut", "brush", "lasso", "edge", "pose", "spot"};
 inline const std::vector<std::string_view> kMeshLooks = {"solid", "glass", "off"};
 inline const std::vector<std::string_view> kSpheresLooks = {"surface", "structure", "off"};
+inline const std::vector<std::string_view> kCombines = {"replace", "add", "subtract", "intersect"};  ///< sdk::Combine
 inline const std::vector<std::string_view> kMaps = {"none",       "curvature",  "protrusion",
                                                     "similarity", "components", "compared"};
 ///@}
@@ -82,7 +83,9 @@ class Session {
   [[nodiscard]] const std::vector<std::string>& log() const noexcept { return log_; }
 
   /// Whether work runs in the background that the next line of a script has to wait for.
-  [[nodiscard]] bool busy() const noexcept { return job.running() || (waiting && !waiting()); }
+  [[nodiscard]] bool busy() const { return job.running() || waits(); }
+  /// Whether it has been told to wait, and what for has not come.
+  [[nodiscard]] bool waits() const { return waiting && !waiting(); }
 
   /// The model that commands are about; fails where nothing is open.
   [[nodiscard]] sdk::Expected<Model*> active();

@@ -40,7 +40,9 @@ class Descriptors : public testing::Test {
     auto found = PatchContexts::build(*surface, 0.8);
     EXPECT_TRUE(found.has_value());
     contexts = std::make_unique<PatchContexts>(std::move(*found));
-    all.push_back(patch_shape_context(*surface, *contexts));
+    auto of_patches = patch_shape_context(*surface, *contexts);
+    EXPECT_TRUE(of_patches.has_value());
+    all.push_back(std::move(*of_patches));
     const auto index = ComponentIndex::build(mesh, surface->adjacency);
     EXPECT_TRUE(index.has_value());
     all.push_back(approximate_shape_context(mesh, *index));

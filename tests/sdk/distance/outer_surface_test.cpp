@@ -151,6 +151,23 @@ TEST(OuterSurface, PointsWithoutRadiusAreAMesh) {
   EXPECT_TRUE(std::isfinite(surface.signed_distance({0.2, 0.1, 0.5})));
 }
 
+TEST(OuterSurface, IsNotBuiltOnceItIsCancelled) {
+  // A chain of balls, each with creases to find; stopped at the first word of them.
+  SphereMesh shape;
+  for (int i = 0; i < 400; ++i) shape.spheres.push_back({{0.5 * i, 0, 0}, 0.5});
+  std::stop_source stop;
+  std::size_t told = 0;
+  const Task task{.stop = stop.get_token(), .progress = [&](std::string_view stage, double) {
+                    told += stage == "finding creases" ? 1 : 0;
+                    if (told > 0) stop.request_stop();
+                  }};
+  const auto surface = OuterSurface::build(shape, {.cavity_grid = 32}, task);
+  ASSERT_FALSE(surface);
+  EXPECT_EQ(surface.error().kind, ErrorKind::Cancelled);
+  EXPECT_EQ(told, 1U) << "of two blocks";
+  EXPECT_GT(OuterSurface::build(shape, {.cavity_grid = 32}, {})->creases().size(), 400U);
+}
+
 TEST(OuterSurface, WithoutSpheresThereIsNothing) {
   const OuterSurface surface(SphereMesh{});
   EXPECT_TRUE(std::isinf(surface.signed_distance({0, 0, 0})));

@@ -103,6 +103,24 @@ TEST(PatchPlaces, OfManySizesCountTwice) {
   EXPECT_TRUE(ranked(surface, {}, 1).first.empty());
 }
 
+TEST(PatchContexts, AreTheSameOneByOneAndAllAtOnce) {
+  const Mesh mesh = surfaces::icosphere(3);
+  const Surface surface(mesh);
+  const auto contexts = PatchContexts::build(surface, 0.4);
+  ASSERT_TRUE(contexts);
+  const auto all = contexts->of_all();
+  ASSERT_TRUE(all);
+  constexpr std::size_t kShares = PatchContexts::kDistances * PatchContexts::kAngles;
+  ASSERT_EQ(all->size(), mesh.positions.size() * kShares);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Histogram one = contexts->of(VertexId(v));
+    ASSERT_TRUE(std::equal(one.begin(), one.end(), all->begin() + static_cast<std::ptrdiff_t>(v * kShares))) << v;
+  }
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(contexts->of_all({.stop = stop.get_token()}).error().kind, ErrorKind::Cancelled);
+}
+
 TEST(PatchContexts, OfAFlatSurfaceGrowWithTheDistance) {
   const Mesh mesh = surfaces::paraboloid(0, 0, 80);
   const Surface surface(mesh);

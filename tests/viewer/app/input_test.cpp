@@ -1,4 +1,5 @@
 // What the mouse and the keys do in the view, without a window: ImGui is told where they are.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -68,6 +69,14 @@ class Hands : public ::testing::Test {
       session.update(session.now + std::chrono::milliseconds(5));
       ui.following = follow_gesture(ui);
     }
+  }
+  /// A frame that takes nothing of what the background has found.
+  void look(const ImVec2& mouse, bool down) {
+    ImGui::GetIO().MouseDown[0] = down;
+    ImGui::GetIO().MousePos = mouse;
+    ImGui::NewFrame();
+    handle_input(ui);
+    ImGui::EndFrame();
   }
   /// Presses, moves in steps and lets go.
   void drag(const ImVec2& from, const ImVec2& by, int button = 0) {
@@ -177,13 +186,7 @@ TEST_F(Hands, DrawOnBeforeTheStrokeBeforeHasBeenSelected) {
   ASSERT_TRUE(session.execute("tool brush"));
   const auto draw = [&](const ImVec2& from, bool shift) {
     ImGui::GetIO().KeyShift = shift;
-    for (int i = 0; i < 8; ++i) {
-      ImGui::GetIO().MouseDown[0] = i > 0 && i < 7;
-      ImGui::GetIO().MousePos = {from.x + 4 * static_cast<float>(i), from.y};
-      ImGui::NewFrame();
-      handle_input(ui);
-      ImGui::EndFrame();
-    }
+    for (int i = 0; i < 8; ++i) look({from.x + 4 * static_cast<float>(i), from.y}, i > 0 && i < 7);
     ImGui::GetIO().KeyShift = false;
   };
   // Nothing takes what the background has found until all three are drawn.
@@ -196,6 +199,119 @@ TEST_F(Hands, DrawOnBeforeTheStrokeBeforeHasBeenSelected) {
   EXPECT_EQ(session.models.front()->selecting.strokes.strokes.size(), 3U);
   EXPECT_GT(selected(), 30U);
   EXPECT_EQ(session.notice, "");
+}
+
+TEST_F(Hands, SeeWhatABrushWillSelectWhileTheStrokeBeforeIsBeingSelected) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Selecting& selecting = session.models.front()->selecting;
+  const auto wait = [&](const ImVec2& at, const auto& until) {
+    for (int i = 0; i < 5000 && !until(); ++i) {
+      look(at, true);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  for (const bool down : {false, true, true, false}) look({240, 200}, down);
+  ASSERT_TRUE(session.job.running()) << "nothing takes what it has found";
+  for (const bool down : {false, true}) look({360, 200}, down);
+  const auto right = session.pick({0.3, 0});
+  ASSERT_TRUE(right);
+  wait({360, 200}, [&] { return std::ranges::binary_search(selecting.drawn, right->face); });
+  EXPECT_TRUE(std::ranges::binary_search(selecting.drawn, right->face));
+  EXPECT_EQ(selected(), 0U);
+  // The first one takes its place; the second one stays to be seen.
+  for (int i = 0; i < 5000 && selected() == 0; ++i) session.update(session.now + std::chrono::milliseconds(5));
+  look({360, 200}, true);
+  EXPECT_GT(selected(), 0U);
+  EXPECT_TRUE(std::ranges::binary_search(selecting.drawn, right->face));
+  frame({360, 200});
+  look({360, 200}, false);
+  frame({360, 200});
+  EXPECT_TRUE(session.models.front()->selecting.selection.contains(right->face));
+  EXPECT_TRUE(selecting.drawn.empty());
+}
+
+TEST_F(Hands, FindALoopWhereTheyDrewItHoweverTheCameraHasMovedSince) {
+  ASSERT_TRUE(session.execute("camera 0 0"));
+  const auto loop = [&] {
+    ASSERT_TRUE(session.execute("tool lasso"));
+    look({240, 140}, false);
+    for (const ImVec2 at : {ImVec2{240, 140}, ImVec2{360, 140}, ImVec2{360, 260}, ImVec2{240, 260}}) look(at, true);
+    look({240, 260}, false);
+  };
+  loop();
+  frame({10, 10});
+  const auto expected = session.models.front()->selecting.selection.faces();
+  ASSERT_GT(expected.size(), 10U);
+  ASSERT_TRUE(session.execute("tool brush"));
+  for (const bool down : {false, true, true, false}) look({360, 200}, down);
+  ASSERT_TRUE(session.job.running());
+  loop();  // waits for the brush
+  ASSERT_TRUE(session.execute("camera 90 20"));
+  ASSERT_TRUE(session.execute("combine add"));
+  const Eigen::Matrix4d moved = camera();
+  frame({10, 10});
+  frame({10, 10});
+  EXPECT_EQ(session.models.front()->selecting.selection.faces(), expected) << "and no more: it was to replace";
+  EXPECT_TRUE(camera().isApprox(moved, 1e-5));
+  EXPECT_EQ(session.combine, sdk::Combine::Add);
+}
+
+TEST_F(Hands, UseKeys) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.KeyMap[ImGuiKey_Enter] = 300;
+  io.KeyMap[ImGuiKey_Escape] = 301;
+  io.KeyMap[ImGuiKey_Tab] = 302;
+  io.KeyMap[ImGuiKey_LeftArrow] = 303;
+  io.KeyMap[ImGuiKey_RightArrow] = 304;
+  io.KeyMap[ImGuiKey_UpArrow] = 305;
+  io.KeyMap[ImGuiKey_DownArrow] = 306;
+  const auto press = [&](int key, bool control = false) {
+    io.KeyCtrl = control;
+    for (const bool down : {true, false}) {
+      io.KeysDown[key] = down;
+      frame({300, 200});
+    }
+    io.KeyCtrl = false;
+  };
+  for (std::size_t tool = 0; tool < 6; ++tool) {
+    press('1' + static_cast<int>(tool));
+    EXPECT_EQ(session.tool, static_cast<Tool>(tool));
+  }
+  ASSERT_TRUE(session.execute("lasso -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2"));
+  frame({300, 200});
+  const std::size_t some = selected();
+  EXPECT_GT(some, 0U);
+  press('Z', true);
+  EXPECT_EQ(selected(), 0U);
+  press('Y', true);
+  EXPECT_EQ(selected(), some);
+  ASSERT_TRUE(session.execute("lasso -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2"));
+  frame({300, 200});
+  ASSERT_TRUE(session.execute("expand"));
+  frame({300, 200});
+  ASSERT_TRUE(session.execute("matches 1"));
+  press(300);
+  EXPECT_GT(selected(), some) << "Enter takes the matches that are shown";
+  ASSERT_TRUE(session.execute("camera 10 10 50 0 0 0"));
+  press('F');
+  EXPECT_LT(session.camera.distance, 10);
+  press(302);
+  EXPECT_FALSE(ui.sidebar);
+  // Escape cancels what runs, and takes nothing back that has been done.
+  ASSERT_TRUE(session.execute("build"));
+  io.KeysDown[301] = true;
+  look({300, 200}, false);
+  io.KeysDown[301] = false;
+  frame({300, 200});
+  EXPECT_NE(session.notice.find("cancelled"), std::string::npos) << session.notice;
+  EXPECT_FALSE(session.models.front()->spheres);
+  // Walking: W forwards, an arrow turns.
+  ASSERT_TRUE(session.execute("mode walk"));
+  for (int i = 0; i < 30; ++i) press('W');
+  EXPECT_GT(session.walk.pose().x_m, 0.5);
+  EXPECT_EQ(session.walk.pose().heading_rad, 0);
+  for (int i = 0; i < 30; ++i) press(303);
+  EXPECT_GT(session.walk.pose().heading_rad, 0.3) << "to the left";
 }
 
 /// Two balls in one skin: a waist between them, at the height 0.
@@ -318,6 +434,10 @@ TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
   ASSERT_TRUE(session.execute("handle 0"));
   frame({from.x + 90, from.y + 10});
   EXPECT_EQ(model.shown_mesh().positions, model.mesh->mesh.positions) << "that drag is over";
+  EXPECT_EQ(model.pose->steps, 0U);
+  // Nor is there anything to hold in the city.
+  ASSERT_TRUE(session.execute("mode walk"));
+  drag(from, {40, 0});
   EXPECT_EQ(model.pose->steps, 0U);
 }
 

@@ -259,6 +259,19 @@ TEST_F(TheView, IsTheSameWhereItsDrawingsAreMadeInTheBackground) {
   EXPECT_EQ(settled(*large), settled(*small));
 }
 
+TEST_F(TheView, LetsGoOfAModelThatIsClosed) {
+  const Image empty = painted();
+  auto model = model_of(tangle(5));
+  model->mesh = std::make_shared<const MeshShape>(wall());
+  const std::weak_ptr<const Model> closed = model;
+  session.add(std::move(model));
+  EXPECT_NE(painted().rgb, empty.rgb);
+  session.models.clear();
+  EXPECT_TRUE(closed.expired()) << "what is drawn of it does not hold it";
+  session.camera = {};
+  EXPECT_EQ(painted().rgb, empty.rgb);
+}
+
 TEST_F(TheView, HasFewerPixelsOnlyWhileItMovesWhereThatIsSlow) {
   // Any picture is slow.
   auto painter = ViewPainter::create({.fluent_ms = -1, .slow_ms = -1});

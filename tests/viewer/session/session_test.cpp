@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <numbers>
+#include <stdexcept>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,20 @@ TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
   for (int i = 0; i < 10; ++i) session.update(session.now + 200ms);
   EXPECT_EQ(model->spheres->unmeasured, why) << "and stays said";
   EXPECT_EQ(session.report()["unmeasured"], why);
+}
+
+TEST(Models, ThatAreClosedGo) {
+  Session session;
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(sdk::Mesh{.positions = {{0, 0, 0}}, .triangles = {}});
+  const std::weak_ptr<Model> left = model;
+  session.add(std::move(model));
+  ASSERT_TRUE(session.execute("close"));
+  for (int i = 0; i < 5000 && !left.expired(); ++i) {
+    session.update(session.now + 5ms);
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(left.expired());
 }
 
 TEST(Sizes, AreReadStrictly) {
@@ -255,6 +270,16 @@ TEST(Jobs, ThatRunOutOfMemoryFailInWords) {
   const auto done = waited_for(job);
   ASSERT_FALSE(done->has_value());
   EXPECT_NE(done->error().message.find("memory"), std::string::npos);
+}
+
+TEST(Jobs, ThatThrowFailInWords) {
+  Job job;
+  job.start("reading",
+            [](const sdk::Task&) -> sdk::Expected<Job::Apply> { throw std::runtime_error("no such thing"); });
+  std::optional<std::string> why;
+  while (job.running()) why = job.poll_failure();
+  ASSERT_TRUE(why);
+  EXPECT_NE(why->find("no such thing"), std::string::npos);
 }
 
 TEST(OrbitCamera, SeesAPointWhereItsRayGoes) {

@@ -125,7 +125,7 @@ sdk::Expected<std::unique_ptr<sdk::Descriptor>> psc(const sdk::Surface& surface,
   if (!ball) return tl::unexpected(ball.error());
   const auto contexts = sdk::PatchContexts::build(surface, ball->radius, task);
   if (!contexts) return tl::unexpected(contexts.error());
-  return sdk::patch_shape_context(surface, *contexts);
+  return sdk::patch_shape_context(surface, *contexts, task);
 }
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> quadric(const sdk::Surface& surface, std::span<const sdk::FaceId>,
                                                         const sdk::Task&) {

@@ -90,10 +90,10 @@ void draw_transfer(Ui& ui, const Model& model, Wanted& wanted) {
     wanted.to = static_cast<float>(model.editing.transfer.to);
   }
   ImGui::SetNextItemWidth(-1);
-  if (!ImGui::DragFloatRange2("##transfer", &wanted.from, &wanted.to, 0.005F, 0, 1, "from %.2f", "full at %.2f",
-                              ImGuiSliderFlags_AlwaysClamp) ||
-      !(wanted.to > wanted.from))
-    return;
+  const bool changed = ImGui::DragFloatRange2("##transfer", &wanted.from, &wanted.to, 0.005F, 0, 1, "from %.2f",
+                                              "full at %.2f", ImGuiSliderFlags_AlwaysClamp);
+  explain("How alike a place must be to be edited, and to be edited in full");
+  if (!changed || !(wanted.to > wanted.from)) return;
   ui.issue("transfer {:.3g} {:.3g}", wanted.from, wanted.to);
   wanted.waits = model.editing.tried != nullptr;
 }

@@ -8,50 +8,57 @@
 #include "viewer/app/ui.h"
 
 namespace armature::viewer {
-namespace {
-
 namespace fs = std::filesystem;
 
 /// What the dialog remembers while the program runs.
-struct Dialog {
-  fs::path folder = fs::current_path();
+struct FileDialog {
+  fs::path folder;
   fs::path listed;  // whose entries these are
   std::vector<fs::path> folders, files;
   std::array<char, 512> name{};
   std::string complaint;
 };
 
+namespace {
+
 bool can_be_opened(const fs::path& path) {
-  static const std::set<std::string> kExtensions = {".off", ".obj", ".ply", ".stl",  ".ma",  ".smh", ".OFF",
-                                                    ".OBJ", ".PLY", ".STL", ".gltf", ".glb", ".dae", ".3ds"};
-  return kExtensions.contains(path.extension().string());
+  static const std::set<std::string> kExtensions = {".off", ".obj",  ".ply", ".stl", ".ma",
+                                                    ".smh", ".gltf", ".glb", ".dae", ".3ds"};
+  return kExtensions.contains(lower_extension(path));
 }
 
-void list(Dialog& dialog) {
+void list(FileDialog& dialog) {
   if (dialog.listed == dialog.folder) return;
   dialog.listed = dialog.folder;
   dialog.folders.clear();
   dialog.files.clear();
   dialog.complaint.clear();
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(dialog.folder, error)) {
-    const fs::path name = entry.path().filename();
+  for (fs::directory_iterator entry(dialog.folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path name = entry->path().filename();
     if (name.string().starts_with('.')) continue;
-    if (entry.is_directory(error)) dialog.folders.push_back(name);
-    if (!entry.is_directory(error) && can_be_opened(name)) dialog.files.push_back(name);
+    std::error_code unknown;  // a link that leads nowhere
+    if (entry->is_directory(unknown)) {
+      dialog.folders.push_back(name);
+    } else if (can_be_opened(name)) {
+      dialog.files.push_back(name);
+    }
   }
   if (error) dialog.complaint = "this folder cannot be read: " + error.message();
   std::sort(dialog.folders.begin(), dialog.folders.end());
   std::sort(dialog.files.begin(), dialog.files.end());
 }
 
-void choose(Ui& ui, Dialog& dialog, const fs::path& file) {
-  const std::string word = as_word((dialog.folder / file).string());
-  if (ui.saving) {
-    ui.issue("save {}", word);
-  } else {
-    ui.issue("open {}", word);
+/// Goes into a folder; opens a file, or writes it.
+void choose(Ui& ui, FileDialog& dialog, const fs::path& name) {
+  const fs::path file = dialog.folder / name;
+  std::error_code none;
+  if (fs::is_directory(file, none)) {
+    dialog.folder = fs::canonical(file, none);
+    dialog.name.fill(0);
+    return;
   }
+  ui.issue("{} {}", ui.saving ? "save" : "open", as_word(file.string()));
   dialog.listed.clear();
   ui.dialog = false;
 }
@@ -59,7 +66,12 @@ void choose(Ui& ui, Dialog& dialog, const fs::path& file) {
 }  // namespace
 
 void draw_file_dialog(Ui& ui) {
-  static Dialog dialog;
+  std::error_code none;
+  if (!ui.files) {
+    ui.files = std::make_shared<FileDialog>();
+    ui.files->folder = fs::current_path(none);
+  }
+  FileDialog& dialog = *ui.files;
   list(dialog);
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   const ImVec2 size(std::min(ui.px(520), window.x - ui.px(16)), std::min(ui.px(480), window.y - ui.px(16)));
@@ -84,13 +96,20 @@ void draw_file_dialog(Ui& ui) {
   }
   ImGui::EndChild();
   ImGui::SetNextItemWidth(-1);
-  const bool entered =
-      ImGui::InputTextWithHint("##name", ui.saving ? "name.obj, .ply, .ma, .smh ..." : "name of a file",
-                               dialog.name.data(), dialog.name.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-  const bool confirmed = accent_button(ui.saving ? "Save" : "Open");
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  const bool entered = ImGui::InputTextWithHint(
+      "##name", ui.saving ? "name.obj, .ply, .ma, .smh ..." : "name of a file", dialog.name.data(), dialog.name.size(),
+      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  const bool replaces =
+      ui.saving && dialog.name[0] != 0 && fs::is_regular_file(dialog.folder / dialog.name.data(), none);
+  const bool confirmed = accent_button(replaces ? "Replace" : ui.saving ? "Save" : "Open");
   ImGui::SameLine();
   if (ImGui::Button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ui.dialog = false;
-  if ((entered || confirmed) && dialog.name[0] != 0) choose(ui, dialog, dialog.name.data());
+  if (replaces) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("it is there already");
+  }
+  if ((confirmed || (entered && !replaces)) && dialog.name[0] != 0) choose(ui, dialog, dialog.name.data());
   ImGui::End();
 }
 

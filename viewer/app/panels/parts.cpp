@@ -58,6 +58,10 @@ bool small_button(const char* label) {
   return clicked;
 }
 
+void explain(const char* text) {
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
 void hint(const char* text) {
   ImGui::PushStyleColor(ImGuiCol_Text, theme::kDim);
   ImGui::TextWrapped("%s", text);

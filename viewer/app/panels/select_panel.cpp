@@ -25,14 +25,18 @@ void draw_tools(Ui& ui) {
       ui.issue("brush-size {:.4g}", size / 100);
   }
   const int combine = choice_row("combine", static_cast<int>(session.combine), {"New", "Add", "Minus", "Both"});
-  static constexpr std::array<const char*, 4> kWays = {"replace", "add", "subtract", "intersect"};
-  if (combine >= 0) ui.issue("combine {}", kWays[static_cast<std::size_t>(combine)]);
+  if (combine >= 0) ui.issue("combine {}", kCombines[static_cast<std::size_t>(combine)]);
+  static constexpr std::array<const char*, 4> kMeaning = {
+      "A gesture selects anew.", "A gesture adds to what is selected.", "A gesture takes away from what is selected.",
+      "What a gesture and the selection share stays selected."};
+  hint(kMeaning[static_cast<std::size_t>(session.combine)]);
 }
 
-/// A match on a line: its place, how much it is alike, and two buttons. Why it is alike is said where the mouse rests.
+/// A match: its place, how much it is alike, and two buttons; below them, why.
 void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) {
   ImGui::PushID(static_cast<int>(place));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, small_padding());
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ImGui::GetStyle().ItemSpacing.x, 0});
   ImGui::AlignTextToFramePadding();
   if (!shown) ImGui::PushStyleColor(ImGuiCol_Text, theme::kDim);
   ImGui::Text("%zu", place);
@@ -41,12 +45,17 @@ void draw_match(Ui& ui, std::size_t place, const sdk::Match& match, bool shown) 
   if (!shown) ImGui::PopStyleColor();
   ImGui::SameLine(ui.px(92));
   if (small_button("Yes")) ui.issue("accept {}", place);
+  explain("It is like it: what resembles this one rises in the list");
   ImGui::SameLine();
   if (small_button("No")) ui.issue("reject {}", place);
+  explain("It is not: it goes, and what resembles it falls");
   ImGui::SameLine();
   ImGui::TextDisabled("%s", match.mirrored ? "mirrored" : "");
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
+  const float indent = ui.px(28);
+  ImGui::Indent(indent);
   hint(match.reason.c_str());
+  ImGui::Unindent(indent);
   ImGui::PopID();
 }
 
@@ -62,8 +71,8 @@ void draw_expansion(Ui& ui, const Selecting& selecting) {
   }
   int shown = static_cast<int>(selecting.shown);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderInt("##shown", &shown, 0, found, shown == 1 ? "%d match" : "%d matches",
-                       ImGuiSliderFlags_AlwaysClamp))
+  const std::string of = fmt::format("%d of {} {}", found, found == 1 ? "match" : "matches");
+  if (ImGui::SliderInt("##shown", &shown, 0, found, of.c_str(), ImGuiSliderFlags_AlwaysClamp))
     ui.issue("matches {}", shown);
   if (accent_button("Select these")) {
     ui.issue("take");
@@ -73,6 +82,7 @@ void draw_expansion(Ui& ui, const Selecting& selecting) {
   if (ImGui::Button("None")) ui.issue("matches 0");
   ImGui::SameLine();
   if (ImGui::Button("Undo verdict")) ui.issue("reconsider");
+  explain("Takes back the last Yes or No");
   const std::size_t listed = std::min<std::size_t>(static_cast<std::size_t>(shown) + 2, selecting.expansion->size());
   // A verdict changes the list: the rest of it is drawn in the next frame.
   const std::size_t steps = ui.session.log().size();
@@ -110,7 +120,7 @@ void draw_select_panel(Ui& ui) {
   }
   if (!selecting.reference.empty()) {
     if (ImGui::Button("Better boundary")) ui.issue("snap");
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Lets it run where the surface is best cut nearby");
+    explain("Lets it run where the surface is best cut nearby");
   }
   if (selecting.selection.faces().empty()) {
     ImGui::TextDisabled("nothing selected");

@@ -86,10 +86,9 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   } else {
     ImGui::TextDisabled("Error: cannot be measured");
   }
-  if (ImGui::IsItemHovered() && !spheres.unmeasured.empty()) {
-    ImGui::SetTooltip("%s", spheres.unmeasured.c_str());
-  } else if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
+  explain(!spheres.unmeasured.empty()
+              ? spheres.unmeasured.c_str()
+              : "Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
 }
 
 }  // namespace
@@ -113,15 +112,14 @@ void draw_sphere_panel(Ui& ui) {
   if (model.spheres) {
     if (model.mesh) {
       if (ImGui::Button("Refine")) ui.issue("refine");
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Fits these spheres closer to the mesh");
+      explain("Fits these spheres closer to the mesh");
       ImGui::SameLine();
     }
     if (ImGui::Button("Extract a mesh")) ui.issue("extract");
   }
   if (model.mesh && model.spheres && model.spheres->hierarchy && !model.posing && session.other() == nullptr) {
     if (ImGui::Button("Beside one that joins what is alike", {-1, 0})) ui.issue("build-alike");
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("Builds a hierarchy that joins like regions together; one slider moves both");
+    explain("Builds a hierarchy that joins like regions together; one slider moves both");
   }
   ImGui::EndDisabled();
 }

@@ -16,12 +16,14 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
 void draw_models(Ui& ui) {
   const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
+  explain("Ctrl+O");
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
     return;
   }
   ImGui::SameLine();
   if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
+  explain("Ctrl+S");
   ImGui::SameLine();
   if (ImGui::Button("Close")) ui.issue("close");
   if (session.models.size() > 1) {
@@ -106,7 +108,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
   ImGui::SetNextWindowPos(area.at);
   ImGui::SetNextWindowSize(area.size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui.px(14), ui.px(5)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui.px(kStatusMargin), ui.px(5)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(240, 241, 241, 255));
   ImGui::Begin("status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
@@ -129,9 +131,9 @@ void draw_status_bar(Ui& ui, const Area& area) {
   } else if (!session.notice.empty()) {
     ImGui::AlignTextToFramePadding();
     ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
-    ImGui::TextUnformatted(session.notice.c_str());
+    ImGui::TextWrapped("%s", session.notice.c_str());
     ImGui::PopStyleColor();
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.notice.c_str());
+    explain(session.notice.c_str());
     if (ImGui::IsItemClicked()) ui.tell("");
   } else {
     if (session.preparing.running()) draw_progress(session.preparing);
@@ -207,13 +209,27 @@ void draw_view_hints(Ui& ui) {
   const Session& session = ui.session;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   if (session.mode == Mode::Shapes && session.models.empty() && !session.job.running()) {
-    const char* lines[] = {"Open a model, or drop one here", "or choose Walk to go through a city"};
-    float y = ui.view.at.y + 0.44F * ui.view.size.y;
-    for (const char* line : lines) {
-      ImFont* font = line == lines[0] ? theme::large() : ImGui::GetFont();
-      const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9F, 0, line);
-      draw.AddText(font, font->FontSize, {ui.view.at.x + (ui.view.size.x - size.x) / 2, y},
-                   line == lines[0] ? theme::kInk : theme::kDim, line);
+    const float room = ui.view.size.x - ui.px(24);
+    struct Line {
+      const char* text;
+      ImU32 colour;
+      ImFont* font;
+    };
+    std::array<Line, 2> lines = {{{"Open a model, or drop one here", theme::kInk, theme::large()},
+                                  {ui.view.at.x > 0 ? "or choose Walk to go through a city"
+                                   : ui.sidebar     ? "A larger window shows what can be done."
+                                                    : "Tab shows what can be done.",
+                                   theme::kDim, ImGui::GetFont()}}};
+    const auto size_of = [&](const Line& line, float wrap) {
+      return line.font->CalcTextSizeA(line.font->FontSize, 1e9F, wrap, line.text);
+    };
+    if (size_of(lines[0], 0).x > room) lines[0].font = ImGui::GetFont();
+    const float high = size_of(lines[0], room).y + ui.px(8) + size_of(lines[1], room).y;
+    float y = ui.view.at.y + std::max(0.F, 0.48F * (ui.view.size.y - high));
+    for (const Line& line : lines) {
+      const ImVec2 size = size_of(line, room);
+      draw.AddText(line.font, line.font->FontSize, {ui.view.at.x + (ui.view.size.x - size.x) / 2, y}, line.colour,
+                   line.text, nullptr, room);
       y += size.y + ui.px(8);
     }
   }

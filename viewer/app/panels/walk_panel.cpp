@@ -76,7 +76,7 @@ void draw_settings(Ui& ui, const navproto::ControlSettings& settings) {
              edited.alpha, edited.beta);
   ImGui::PopItemWidth();
   if (ImGui::Button("Save")) ui.issue("save-settings");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Writes what holds to the daemon's file");
+  explain("Writes what holds to the daemon's file");
   ImGui::SameLine();
   if (ImGui::Button("Reload")) ui.issue("reload-settings");
   ImGui::SameLine();
@@ -115,6 +115,7 @@ void draw_path(Ui& ui) {
   ImGui::Text("%.1f m from it", task->distance_m());
   ImGui::PopStyleColor();
   ImGui::TextDisabled("%.2f m on average, %.2f %%", task->mean_deviation_m(), task->deviation_percent());
+  explain("The mean of the squared distance, in percent of the path's length");
   if (task->finished()) ImGui::TextColored({0.2F, 0.55F, 0.3F, 1}, "Arrived.");
   if (ImGui::Button("Again")) ui.issue("path start");
   ImGui::SameLine();

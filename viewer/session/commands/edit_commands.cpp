@@ -1,5 +1,6 @@
 // What is like a spot, and edits of all that is.
 #include <array>
+#include <utility>
 
 #include <armature/sdk/expansion/patch_map.h>
 
@@ -98,7 +99,7 @@ Done edit(Session& session, Arguments& arguments) {
         auto normals = corner_normals(*mesh, MeshStyle().crease_rad);
         auto tried = std::make_shared<const ShadedMesh>(ShadedMesh{std::move(*mesh), std::move(normals)});
         return Job::Apply([&session, what, model, tried] {
-          model->editing.tried = tried;
+          session.discard(std::exchange(model->editing.tried, tried));
           ++model->mesh_revision;
           if (what.op == EditOp::Paint) session.looks.map = MapKind::None;
           if (session.looks.mesh == MeshLook::Off) session.looks.mesh = MeshLook::Solid;
@@ -110,16 +111,14 @@ Done edit(Session& session, Arguments& arguments) {
 /// The model gets another mesh of the same faces: what was found on the old one goes, what is selected stays, and so
 /// does what was compared.
 void change_mesh(Session& session, Model& model, std::shared_ptr<const MeshShape> mesh) {
-  model.mesh = std::move(mesh);
+  session.discard(
+      {std::exchange(model.mesh, std::move(mesh)), std::exchange(model.editing.tried, nullptr), model.take_spheres(),
+       std::make_shared<decltype(model.editing.descriptors)>(std::exchange(model.editing.descriptors, {}))});
   Selecting selected;
   selected.selection = std::move(model.selecting.selection);
   selected.pieces = model.selecting.pieces;
   model.selecting = std::move(selected);
-  model.spheres.reset();
-  model.editing.descriptors.clear();
-  model.editing.tried.reset();
   ++model.mesh_revision;
-  ++model.spheres_revision;
   if (session.looks.mesh == MeshLook::Off) session.looks.mesh = MeshLook::Solid;  // there are no spheres now
   if (session.looks.map != MapKind::Components && session.looks.map != MapKind::Compared) {
     session.looks.map = MapKind::None;
@@ -147,7 +146,7 @@ Done drop_edit(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto found = session.active_unposed();
   if (!found) return tl::unexpected(found.error());
-  (*found)->editing.tried.reset();
+  session.discard(std::exchange((*found)->editing.tried, nullptr));
   ++(*found)->mesh_revision;
   return {};
 }

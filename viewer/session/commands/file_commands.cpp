@@ -24,6 +24,7 @@ Done open(Session& session, Arguments& arguments) {
 Done close(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active(); !model) return tl::unexpected(model.error());
+  session.discard(session.models[session.active_model]);
   session.models.erase(session.models.begin() + static_cast<std::ptrdiff_t>(session.active_model));
   session.beside = 0;
   session.active_model = session.active_model == 0 ? 0 : session.active_model - 1;

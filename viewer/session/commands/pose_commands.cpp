@@ -112,11 +112,14 @@ Done save_pose(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
-  session.start("writing " + file, [&session, file, posing = (*model)->posing](const sdk::Task&) {
-    return write_text(file, posing->text()).map([&] {
-      return Job::Apply([&session, file] { session.tell("wrote " + file); });
-    });
-  });
+  session.start(
+      "writing " + file,
+      [&session, file, posing = (*model)->posing](const sdk::Task&) {
+        return write_text(file, posing->text()).map([&] {
+          return Job::Apply([&session, file] { session.tell("wrote " + file); });
+        });
+      },
+      true);
   return {};
 }
 

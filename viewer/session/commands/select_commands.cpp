@@ -331,7 +331,7 @@ Done step(Session& session, Arguments& arguments) {
 }
 
 Done combine(Session& session, Arguments& arguments) {
-  const std::size_t how = arguments.choice("combine", {"replace", "add", "subtract", "intersect"});
+  const std::size_t how = arguments.choice("combine", kCombines);
   if (auto checked = arguments.check(); !checked) return checked;
   session.combine = static_cast<sdk::Combine>(how);
   return {};

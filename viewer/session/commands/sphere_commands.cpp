@@ -30,6 +30,7 @@ Done build(Session& session, Arguments& arguments) {
                   if (!built) return tl::unexpected(built.error());
                   auto hierarchy = std::make_shared<const sdk::Hierarchy>(std::move(built->hierarchy));
                   return Job::Apply([&session, model, hierarchy] {
+                    session.discard(model->take_spheres());
                     model->set_hierarchy(hierarchy, kFirstLevel);
                     session.looks.spheres = SpheresLook::Surface;
                     session.looks.mesh = MeshLook::Off;

@@ -44,7 +44,9 @@ inline constexpr std::size_t kGlsBins = 10;
 /// distance.
 [[nodiscard]] std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh);
 /// Patch shape contexts (section 5.4.3); unlike by chi-square. `contexts` may go.
-[[nodiscard]] std::unique_ptr<Descriptor> patch_shape_context(const Surface& surface, const PatchContexts& contexts);
+[[nodiscard]] Expected<std::unique_ptr<Descriptor>> patch_shape_context(const Surface& surface,
+                                                                        const PatchContexts& contexts,
+                                                                        const Task& task = {});
 /// Every vertex's component's approximate shape context (section 5.4.1); unlike by chi-square. `index` may go.
 [[nodiscard]] std::unique_ptr<Descriptor> approximate_shape_context(const Mesh& mesh, const ComponentIndex& index);
 

@@ -6,7 +6,9 @@
 
 #include <Eigen/Core>
 #include <armature/sdk/distance/sphere_mesh_tree.h>
+#include <armature/sdk/error.h>
 #include <armature/sdk/spheremesh/sphere_mesh.h>
+#include <armature/sdk/task.h>
 
 namespace armature::sdk {
 
@@ -47,6 +49,9 @@ class OuterSurface {
  public:
   /// Finds creases and voids. Edges and triangles of `shape` must name its spheres.
   explicit OuterSurface(const SphereMesh& shape, const OuterSurfaceOptions& options = {});
+  /// The same, which takes seconds for a hundred thousand spheres; fails where it is cancelled.
+  [[nodiscard]] static Expected<OuterSurface> build(const SphereMesh& shape, const OuterSurfaceOptions& options,
+                                                    const Task& task);
   ~OuterSurface();
   OuterSurface(OuterSurface&&) noexcept;
   OuterSurface& operator=(OuterSurface&&) noexcept;
@@ -68,6 +73,7 @@ class OuterSurface {
 
  private:
   struct State;
+  explicit OuterSurface(std::unique_ptr<const State> state);
   std::unique_ptr<const State> state_;
 };
 

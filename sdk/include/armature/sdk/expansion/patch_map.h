@@ -40,6 +40,8 @@ class PatchContexts {
 
   /// The context of a vertex; zeros for one on no face.
   [[nodiscard]] Histogram of(VertexId vertex) const;
+  /// The contexts of all vertices, [V][kDistances][kAngles].
+  [[nodiscard]] Expected<std::vector<float>> of_all(const Task& task = {}) const;
   /// The similarity map: 1 - chi-square between every vertex's context and another, by VertexId, in [0, 1]; 0 for a
   /// vertex on no face. Before that every bin is spread over its neighbours by 1/4, 1/2, 1/4 in either direction, since
   /// noise carries points over the edges of bins. Takes time in proportion to the vertices in all balls. Refused for a
