@@ -51,6 +51,7 @@ struct ControlServer::Impl {
     reply.error = sanitised(std::move(reply.error));
     reply.health.version = sanitised(std::move(reply.health.version));
     reply.health.source = sanitised(std::move(reply.health.source));
+    reply.health.source_trouble = sanitised(std::move(reply.health.source_trouble));
     if (const auto complaint = check(reply)) {
       ControlReply apology;
       apology.id = reply.id;
@@ -161,7 +162,8 @@ Expected<ControlReply> ControlClient::request(ControlRequest request, std::chron
   request.id = ++impl_->last_id;
   if (const auto complaint = check(request)) return fail("request: " + complaint->message);
   const auto deadline = std::chrono::steady_clock::now() + timeout;
-  const auto silence = [&] {
+  const auto silence = [&]() -> Expected<ControlReply> {
+    if (const auto allowed = may_connect(impl_->endpoint); !allowed) return tl::unexpected(allowed.error());
     return fail(impl_->endpoint + ": no answer within " + std::to_string(timeout.count()) +
                 " ms; is armatured running there?");
   };
