@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -47,6 +48,9 @@ Expected<T> as_ours(navproto::Expected<T>&& result) {
 }  // namespace
 
 Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
+  // One arena for all threads: with one a thread each keeps what any of them once needed, and over days of peers that
+  // come and go memory creeps up. Frames need no memory, so nobody waits for the arena's lock.
+  ::mallopt(M_ARENA_MAX, 1);
   const Config& config = options.config;
   if (config.source.empty() && !options.source)
     return fail("no source: name one with --source URI or source.uri in the configuration");

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <armature/navproto/control.h>
+#include <armature/navproto/endpoints.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -139,9 +140,13 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
   if (config.endpoint.starts_with(kIpc)) {
     auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
     if (folder.empty()) folder = ".";
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    if (config.endpoint == navproto::kDefaultEndpoint && ::access(folder.c_str(), F_OK) != 0) {
+      findings.note("endpoint", folder.string() +
+                                    " is not there: systemd makes it when it starts the service; by hand "
+                                    "take another (`armatured --endpoint ipc:///tmp/nav`)");
+    } else if (::access(folder.c_str(), W_OK | X_OK) != 0) {
       findings.bad("endpoint", folder.string() + " cannot be written by this user",
-                   "systemd makes it for the service; by hand: another endpoint, or `mkdir` it");
+                   "choose another publish.endpoint, or `mkdir` it");
     } else {
       findings.good("endpoint", config.endpoint + " can be had");
     }
