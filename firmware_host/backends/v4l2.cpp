@@ -232,7 +232,8 @@ class V4l2Source final : public DepthSource {
       const std::span<std::uint16_t> out = std::span(frame.depth_mm).subspan(y * width, width);
       if (packed_) {
         unpack_y10b({bytes + y * row_bytes_, row}, out);
-        for (std::uint16_t& pixel : out) pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[pixel * 2U];
+        for (std::uint16_t& pixel : out)
+          pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[std::size_t{pixel} * 2];
       } else {
         std::memcpy(out.data(), bytes + y * row_bytes_, row);
         if (unit_mm_ == 1) continue;
