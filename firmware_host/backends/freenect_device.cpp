@@ -42,7 +42,8 @@ class FreenectDevice final : public DepthSource {
     freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
     const int found = freenect_num_devices(context_);
     if (found <= number_) {
-      return complain(found == 0 ? "no Kinect is plugged in" : "only " + std::to_string(found) + " are plugged in");
+      return complain((found == 0 ? "no Kinect is plugged in" : "only " + std::to_string(found) + " are plugged in") +
+                      std::string("; `armature devices` lists what is"));
     }
     if (freenect_open_device(context_, &device_, number_) < 0) {
       return complain(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string_view>
 
@@ -24,8 +25,7 @@ class UnwrappedTicks {
     total_ += step < 0x8000'0000U ? step : 1;
     began_ = true;
     last_ = ticks;
-    return std::chrono::nanoseconds(
-        static_cast<std::int64_t>(static_cast<double>(total_) * (1e9 / ticks_per_second_) + 0.5));
+    return std::chrono::nanoseconds(std::llround(static_cast<double>(total_) * (1e9 / ticks_per_second_)));
   }
 
  private:

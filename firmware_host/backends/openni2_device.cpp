@@ -34,7 +34,7 @@ class OpenNI2Device final : public DepthSource {
 
   Expected<void> start() {
     if (device_.open(uri_.empty() ? openni::ANY_DEVICE : uri_.c_str()) != openni::STATUS_OK)
-      return complain("does not open: " + openni2_complaint("is it plugged in?"));
+      return complain("does not open: " + openni2_complaint("is it plugged in?") + "; `armature doctor` tells more");
     if (stream_.create(device_, openni::SENSOR_DEPTH) != openni::STATUS_OK)
       return complain("has no depth: " + openni2_complaint("no reason given"));
     choose_mode();

@@ -84,7 +84,7 @@ class V4l2Source final : public DepthSource {
 
   Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
     const auto until = clock_->now() + timeout;
-    for (;;) {
+    for (bool said_readable = false;;) {
       v4l2_buffer buffer = blank_buffer();
       if (control(VIDIOC_DQBUF, buffer)) {
         const bool taken = take(buffer, frame);
@@ -95,11 +95,12 @@ class V4l2Source final : public DepthSource {
         continue;  // a torn frame
       }
       if (errno != EAGAIN && errno != EINTR) return complain("broke: " + std::string(std::strerror(errno)));
+      if (said_readable) std::this_thread::sleep_for(kNothingYet);
       const auto left = until - clock_->now();
       if (left <= 0ns) return ReadStatus::Timeout;
       pollfd event{descriptor_, POLLIN, 0};
       const auto ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
-      if (::poll(&event, 1, static_cast<int>(ms)) > 0) std::this_thread::sleep_for(kNothingYet);
+      said_readable = ::poll(&event, 1, static_cast<int>(ms)) > 0;
     }
   }
 
@@ -231,7 +232,8 @@ class V4l2Source final : public DepthSource {
       const std::span<std::uint16_t> out = std::span(frame.depth_mm).subspan(y * width, width);
       if (packed_) {
         unpack_y10b({bytes + y * row_bytes_, row}, out);
-        for (std::uint16_t& pixel : out) pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[pixel * 2U];
+        for (std::uint16_t& pixel : out)
+          pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[std::size_t{pixel} * 2];
       } else {
         std::memcpy(out.data(), bytes + y * row_bytes_, row);
         if (unit_mm_ == 1) continue;

@@ -80,7 +80,7 @@ std::vector<std::string> who_has_open(const std::string& path) {
       if (fs::read_symlink(open.path(), error) != path) continue;
       std::string name;
       std::getline(std::ifstream(process.path() / "comm") >> std::ws, name);
-      programs.push_back(name + " (" + pid + ")");
+      programs.push_back(name.append(" (").append(pid).append(")"));
       break;
     }
   }

@@ -77,7 +77,7 @@ class RawSource final : public DepthSource {
     while (output.pos < output.size) {
       if (input_.pos == input_.size) {
         const auto count = fill(compressed_.data(), compressed_.size());
-        if (!count) return count;
+        if (!count) return tl::unexpected(count.error());
         if (*count == 0) {
           if (within_zstd_frame_) return fail(name_ + ": truncated: expected more compressed bytes");
           break;

@@ -39,7 +39,7 @@ struct OniLayout {
 };
 
 /// The largest record OpenNI2's player reads: 1600 x 1200 pixels of 3 bytes. What is larger cannot be replayed.
-inline constexpr std::size_t kMaxOniPayloadBytes = 1600 * 1200 * 3;
+inline constexpr std::size_t kMaxOniPayloadBytes = std::size_t{1600} * 1200 * 3;
 
 /// Bytes at an offset. False when they are not all there.
 using ReadAt = std::function<bool(std::uint64_t offset, std::span<std::byte> out)>;

@@ -65,6 +65,7 @@ void check_health(Checks& checks, const HealthMessage& message) {
       .not_negative("health.uptime", message.uptime_s)
       .text("health.version", message.version)
       .text("health.source", message.source)
+      .text("health.source_trouble", message.source_trouble)
       .not_negative("health.frames_per_second", message.frames_per_second)
       .not_negative("health.latency_p50", message.latency_p50_us)
       .not_negative("health.latency_p99", message.latency_p99_us);

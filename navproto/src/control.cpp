@@ -19,8 +19,12 @@ namespace {
 /// So many requests of a socket in a row and no more: whoever floods us does not keep the caller.
 constexpr int kMostAtATime = 8;
 
-/// Requests that wait for us, and replies for their client, a client.
+/// Requests of a client that wait for us.
 constexpr int kQueue = 4;
+
+/// Replies that wait for their client. ZeroMQ drops what exceeds them, and hears late of what has gone: only between
+/// our rounds of kMostAtATime, so that a client that is quick to ask again would miss its fifth reply with four.
+constexpr int kReplies = 4 * kMostAtATime;
 
 }  // namespace
 
@@ -51,6 +55,7 @@ struct ControlServer::Impl {
     reply.error = sanitised(std::move(reply.error));
     reply.health.version = sanitised(std::move(reply.health.version));
     reply.health.source = sanitised(std::move(reply.health.source));
+    reply.health.source_trouble = sanitised(std::move(reply.health.source_trouble));
     if (const auto complaint = check(reply)) {
       ControlReply apology;
       apology.id = reply.id;
@@ -78,7 +83,7 @@ Expected<ControlServer> ControlServer::bind(std::string_view endpoint, ControlSe
     return fail("control " + endpoints->control + ": only ipc:// unless tcp is allowed expressly");
   }
   auto impl = std::make_unique<Impl>();
-  for (Socket& socket : impl->sockets) socket.set(ZMQ_LINGER, 250).set(ZMQ_RCVHWM, kQueue).set(ZMQ_SNDHWM, kQueue);
+  for (Socket& socket : impl->sockets) socket.set(ZMQ_LINGER, 250).set(ZMQ_RCVHWM, kQueue).set(ZMQ_SNDHWM, kReplies);
   const auto may_change = [allowed = std::move(options.allowed_uids)](uid_t user) -> std::size_t {
     return user == 0 || user == ::geteuid() || std::ranges::count(allowed, user) > 0 ? 1 : 0;
   };
@@ -161,7 +166,8 @@ Expected<ControlReply> ControlClient::request(ControlRequest request, std::chron
   request.id = ++impl_->last_id;
   if (const auto complaint = check(request)) return fail("request: " + complaint->message);
   const auto deadline = std::chrono::steady_clock::now() + timeout;
-  const auto silence = [&] {
+  const auto silence = [&]() -> Expected<ControlReply> {
+    if (const auto allowed = may_connect(impl_->endpoint); !allowed) return tl::unexpected(allowed.error());
     return fail(impl_->endpoint + ": no answer within " + std::to_string(timeout.count()) +
                 " ms; is armatured running there?");
   };

@@ -1,3 +1,4 @@
+#include <cerrno>
 #include <charconv>
 
 #include <armature/navproto/endpoints.h>
@@ -40,6 +41,16 @@ Expected<Endpoints> endpoints_of(std::string_view base) {
     return Endpoints{text, at(1), at(2), at(3), at(4)};
   }
   return fail("endpoint " + text + ": expected ipc://PATH or tcp://HOST:PORT");
+}
+
+Expected<void> may_connect(std::string_view endpoint) {
+  if (!endpoint.starts_with(kIpc)) return {};
+  const LocalAddress address(endpoint.substr(kIpc.size()));
+  const Descriptor probe = stream_socket(AF_UNIX);
+  if (::connect(probe.get(), address.get(), address.size) == 0 || errno != EACCES) return {};
+  return fail(std::string(endpoint) +
+              ": permission denied; ask as root, or join the group of the socket (for the installed daemon: `adduser "
+              "USER armature`, then log in anew)");
 }
 
 }  // namespace armature::navproto

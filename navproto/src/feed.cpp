@@ -1,6 +1,10 @@
 #include <array>
+#include <condition_variable>
+#include <mutex>
 #include <set>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <armature/navproto/codec.h>
 #include <armature/navproto/endpoints.h>
@@ -10,11 +14,12 @@
 #include "navproto/src/gatekeeper.h"
 #include "navproto/src/session.h"
 #include "navproto/src/socket.h"
+#include "navproto/src/wake.h"
 
 namespace armature::navproto {
 namespace {
 
-// Two images under way: one being sent, one waiting.
+// Two images under way: one being sent, one waiting. (ZMQ_CONFLATE leaks, see subscriber.cpp.)
 constexpr int kFeedQueue = 2;
 
 }  // namespace
@@ -94,23 +99,57 @@ Expected<bool> FeedPublisher::publish(const FeedView& view) {
   return impl_->socket.send(part);
 }
 
+/// A thread of its own reads what comes and keeps the newest, so that nothing old waits for whoever comes late.
 struct FeedSubscriber::Impl {
   ContextHandle context = make_context();
   Socket socket{context.get(), ZMQ_SUB};
-  Part part;
+  Wake stop;
+
+  // Shared with the receiving thread.
+  std::mutex mutex;
+  std::condition_variable arrived;
+  std::vector<std::byte> newest;
+  bool fresh = false;  // nobody took it yet
+
+  std::vector<std::byte> taken;
+  std::jthread thread;  // last: it stops before what it uses goes
+
+  ~Impl() { stop.wake(); }
+
+  void receive_until_stopped() {
+    std::array<zmq_pollitem_t, 2> items{
+        {{nullptr, stop.descriptor(), ZMQ_POLLIN, 0}, {socket.get(), 0, ZMQ_POLLIN, 0}}};
+    Part part;
+    std::vector<std::byte> bytes;
+    for (;;) {
+      if (!poll(items, std::chrono::milliseconds(-1))) continue;
+      if (items[0].revents != 0) return;
+      while (socket.receive(part)) {
+        bytes.assign(part.bytes().begin(), part.bytes().end());
+        {
+          const std::lock_guard lock(mutex);
+          newest.swap(bytes);
+          fresh = true;
+        }
+        arrived.notify_one();
+      }
+    }
+  }
 };
 
 Expected<FeedSubscriber> FeedSubscriber::connect(std::string_view endpoint, const std::optional<CurveClient>& curve) {
   const auto endpoints = endpoints_of(endpoint);
   if (!endpoints) return tl::unexpected(endpoints.error());
   auto impl = std::make_unique<Impl>();
-  impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400).set(ZMQ_CONFLATE, 1);
+  impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
+  impl->socket.set(ZMQ_RCVHWM, kFeedQueue);
   impl->socket.set_max_bytes(kMaxFeedBytes);
   if (curve) identify(impl->socket, *curve);
   if (auto connected = navproto::connect(impl->socket, endpoints->feed); !connected) {
     return tl::unexpected(connected.error());
   }
   impl->socket.subscribe(kTopicPrefixes[static_cast<std::size_t>(Topic::Feed)]);
+  impl->thread = std::jthread([self = impl.get()] { self->receive_until_stopped(); });
   return FeedSubscriber(std::move(impl));
 }
 
@@ -120,9 +159,13 @@ FeedSubscriber::FeedSubscriber(FeedSubscriber&&) noexcept = default;
 FeedSubscriber& FeedSubscriber::operator=(FeedSubscriber&&) noexcept = default;
 
 Expected<std::optional<FeedMessage>> FeedSubscriber::receive(std::chrono::milliseconds timeout) {
-  std::array<zmq_pollitem_t, 1> items{{{impl_->socket.get(), 0, ZMQ_POLLIN, 0}}};
-  if (!poll(items, timeout) || !impl_->socket.receive(impl_->part)) return std::optional<FeedMessage>();
-  auto message = decode<FeedMessage>(impl_->part.bytes());
+  {
+    std::unique_lock lock(impl_->mutex);
+    if (!impl_->arrived.wait_for(lock, timeout, [this] { return impl_->fresh; })) return std::optional<FeedMessage>();
+    impl_->taken.swap(impl_->newest);
+    impl_->fresh = false;
+  }
+  auto message = decode<FeedMessage>(impl_->taken);
   if (!message) return tl::unexpected(std::move(message).error());
   return std::optional(*std::move(message));
 }

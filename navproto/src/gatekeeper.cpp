@@ -9,7 +9,8 @@ namespace {
 constexpr const char* kDoor = "inproc://zeromq.zap.01";
 constexpr const char* kStop = "inproc://armature.gatekeeper.stop";
 constexpr std::size_t kRawKeyBytes = 32;
-enum Request : std::size_t { Version, Id, Domain, Address, Identity, Mechanism, Credentials, kRequestParts };
+enum Request : std::size_t { Version, Id, Domain, Address, Identity, Mechanism, Credentials };
+constexpr std::size_t kRequestParts = Credentials + 1;
 
 void set_text(Socket& socket, int option, const std::string& text) {
   zmq_setsockopt(socket.get(), option, text.data(), text.size());

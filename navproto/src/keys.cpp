@@ -39,8 +39,14 @@ Expected<std::string> read_text(const std::filesystem::path& file) {
 
 Expected<void> write_all(const std::filesystem::path& file, int flags, mode_t mode, const std::string& text) {
   const int descriptor = ::open(file.c_str(), flags | O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, mode);
+  if (descriptor < 0 && errno == EEXIST)
+    return fail(file.string() + ": is there already and stays as it is; choose another name, or move it away first");
   if (descriptor < 0) return fail(file.string() + ": cannot be written: " + std::strerror(errno));
-  const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  const off_t before = ::lseek(descriptor, 0, SEEK_END);
+  const bool written =
+      ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(descriptor) == 0;
+  // Nothing is left half-written: neither half a line nor half a pair of keys.
+  if (!written) (void)((flags & O_EXCL) != 0 ? ::unlink(file.c_str()) : ::ftruncate(descriptor, before));
   if (::close(descriptor) != 0 || !written) return fail(file.string() + ": cannot be written: is the disk full?");
   return {};
 }

@@ -93,10 +93,12 @@ flatbuffers::Offset<wire::Event> pack(Builder& builder, const EventMessage& mess
 flatbuffers::Offset<wire::Health> pack(Builder& builder, const HealthMessage& message) {
   const auto version = builder.CreateString(message.version.data(), message.version.size());
   const auto source = builder.CreateString(message.source.data(), message.source.size());
+  const auto trouble = message.source_trouble.empty() ? flatbuffers::Offset<flatbuffers::String>()
+                                                      : builder.CreateString(message.source_trouble);
   return wire::CreateHealth(builder, message.time.count(), message.uptime_s, version, source, message.source_alive,
                             message.frames_received, message.frames_dropped, message.frames_processed,
                             message.frames_per_second, message.latency_p50_us, message.latency_p99_us,
-                            message.resident_bytes);
+                            message.resident_bytes, trouble);
 }
 
 flatbuffers::Offset<wire::Feed> pack(Builder& builder, const FeedView& view, std::span<const std::uint8_t> depth_zstd,

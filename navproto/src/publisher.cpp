@@ -169,6 +169,7 @@ bool Publisher::publish_event(EventMessage& message) noexcept {
 bool Publisher::publish_health(HealthMessage& message) noexcept {
   message.version = sanitised(std::move(message.version));
   message.source = sanitised(std::move(message.source));
+  message.source_trouble = sanitised(std::move(message.source_trouble));
   return impl_->publish(message, Topic::Health, impl_->events, impl_->last_health);
 }
 

@@ -128,6 +128,7 @@ Expected<HealthMessage> unpack(const wire::Health& body) {
   message.latency_p50_us = body.latency_p50_us();
   message.latency_p99_us = body.latency_p99_us();
   message.resident_bytes = body.resident_bytes();
+  if (body.source_trouble() != nullptr) message.source_trouble = body.source_trouble()->str();
   return message;
 }
 

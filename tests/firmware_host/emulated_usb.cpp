@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <deque>
@@ -27,6 +28,7 @@ struct Unref {
 };
 using Data = std::unique_ptr<UMockdevIoctlData, Unref>;
 
+/// Nothing where the process whose memory it is has gone meanwhile.
 Data resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t length) {
   return Data(umockdev_ioctl_data_resolve(data, offset, length, nullptr));
 }
@@ -105,6 +107,7 @@ class Device {
     switch (request) {
       case USBDEVFS_GET_CAPABILITIES: {
         const Data value = resolve(argument, 0, sizeof(std::uint32_t));
+        if (!value) return complete(-1, EFAULT);
         *view<std::uint32_t>(value) = USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
                                       USBDEVFS_CAP_REAP_AFTER_DISCONNECT | USBDEVFS_CAP_ZERO_PACKET;
         return complete(0, 0);
@@ -116,13 +119,14 @@ class Device {
       case USBDEVFS_CLEAR_HALT:
       case USBDEVFS_RESET:
       case USBDEVFS_IOCTL: return complete(request == USBDEVFS_IOCTL ? -1 : 0, request == USBDEVFS_IOCTL ? ENODATA : 0);
-      case USBDEVFS_SUBMITURB: submit(argument); return complete(0, 0);
+      case USBDEVFS_SUBMITURB: return submit(argument) ? complete(0, 0) : complete(-1, EFAULT);
       case USBDEVFS_DISCARDURB: return discard(argument) ? complete(0, 0) : complete(-1, EINVAL);
       case USBDEVFS_REAPURB:
       case USBDEVFS_REAPURBNDELAY: {
         Urb* urb = ready();
         if (urb == nullptr) return complete(-1, gone_ && urbs_.empty() ? ENODEV : EAGAIN);
         const Data pointer = resolve(argument, 0, sizeof(void*));
+        if (!pointer) return complete(-1, EFAULT);
         umockdev_ioctl_data_set_ptr(pointer.get(), 0, urb->data.get());
         complete(0, 0);
         std::erase_if(urbs_, [&](const Urb& other) { return &other == urb; });
@@ -132,12 +136,13 @@ class Device {
     }
   }
 
-  void submit(UMockdevIoctlData* argument) {
+  bool submit(UMockdevIoctlData* argument) {
     // Resolving puts our own address in the place of the client's: the size is known only then, so do it again.
     void* const client = *reinterpret_cast<void**>(argument->data);
     Urb urb;
     urb.client = client;
     urb.data = resolve(argument, 0, sizeof(usbdevfs_urb));
+    if (!urb.data) return false;
     const auto* head = view<usbdevfs_urb>(urb.data);
     if (head->type == USBDEVFS_URB_TYPE_ISO) {
       const std::size_t size =
@@ -145,10 +150,12 @@ class Device {
       umockdev_ioctl_data_reload(argument, nullptr);
       *reinterpret_cast<void**>(argument->data) = client;
       urb.data = resolve(argument, 0, size);
+      if (!urb.data) return false;
     }
     auto* about = view<usbdevfs_urb>(urb.data);
     urb.buffer =
         resolve(urb.data.get(), offsetof(usbdevfs_urb, buffer), static_cast<std::size_t>(about->buffer_length));
+    if (!urb.buffer) return false;
     if (about->type == USBDEVFS_URB_TYPE_CONTROL) {
       auto* bytes = view<std::uint8_t>(urb.buffer);
       const int length = control(bytes, bytes + 8, static_cast<std::size_t>(about->buffer_length) - 8);
@@ -157,6 +164,7 @@ class Device {
       urb.done = true;
     }
     urbs_.push_back(std::move(urb));
+    return true;
   }
   bool discard(UMockdevIoctlData* argument) {
     void* const client = *reinterpret_cast<void**>(argument->data);

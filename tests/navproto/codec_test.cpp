@@ -223,6 +223,18 @@ TEST(Ranges, TextIsOneLineOfUtf8) {
   EXPECT_FALSE(accepted("\xe2\x82"));          // cut short
 }
 
+TEST(RoundTrip, HealthSaysWhyNoFramesCome) {
+  HealthMessage message = sample::health();
+  Encoder encoder;
+  const std::size_t size_of_all_is_well = encoder.encode(message).size();
+  message.source_trouble = "freenect:0: no Kinect is plugged in";
+  const auto part = encoder.encode(message);
+  EXPECT_GT(part.size(), size_of_all_is_well);
+  const auto again = decode<HealthMessage>(part);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(*again, message);
+}
+
 TEST(Ranges, HealthCountsUpwardsFromZero) {
   const auto changed = [](auto change) {
     HealthMessage message = sample::health();
@@ -230,6 +242,7 @@ TEST(Ranges, HealthCountsUpwardsFromZero) {
     return refused(message);
   };
   EXPECT_TRUE(changed([](auto& m) { m.uptime_s = -1; }));
+  EXPECT_TRUE(changed([](auto& m) { m.source_trouble = "two\nlines"; }));
   EXPECT_TRUE(changed([](auto& m) { m.frames_per_second = kNan; }));
   EXPECT_TRUE(changed([](auto& m) { m.latency_p99_us = -1; }));
 }

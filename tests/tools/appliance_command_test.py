@@ -60,6 +60,38 @@ class Doctor(unittest.TestCase):
             self.assertIn(f"{config}:2: engagement.far_m", bad[0]["found"])
             self.assertTrue(bad[0]["remedy"])
 
+    def test_finds_what_a_daemon_would_refuse(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text(f"[publish]\nendpoint = 'ipc://{folder}/nav'\n[control]\nuids = 'somebody'\n")
+            found = run("doctor", "--config", config, "--json")
+            findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
+            self.assertEqual(findings["source"]["kind"], "problem")
+            self.assertIn("control.uids", findings["control"]["found"])
+            self.assertIn("id -u", findings["control"]["remedy"])
+
+    def test_asks_the_daemon_that_has_endpoint_and_port(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text(f"[source]\nuri = 'process:fakenect:{folder}/none'\n"
+                              f"[publish]\nendpoint = 'ipc://{folder}/nav'\n[health]\nmetrics_port = 29464\n")
+            daemon = subprocess.Popen([ARMATURED, "--config", config, "--quiet"])
+            try:
+                findings = {}
+                for _ in range(100):
+                    found = run("doctor", "--config", config, "--json")
+                    findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
+                    if "INDEX.txt" in findings.get("daemon", {}).get("found", ""):
+                        break
+                    time.sleep(0.1)
+                self.assertIn("INDEX.txt", findings["daemon"]["found"], "why no frames come")
+                self.assertNotIn("port", findings, "it is the daemon's")
+                self.assertNotIn("endpoint", findings)
+                self.assertRegex(run("status", f"ipc://{folder}/nav").stdout, "SILENT: .*INDEX.txt")
+            finally:
+                daemon.terminate()
+                daemon.wait()
+
     def test_looks_at_a_site(self):
         found = run("doctor", "--site", "synth:walk_in?size=320x240&seed=3", "--seconds", "1.5", "--json")
         findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
@@ -118,6 +150,26 @@ class Status(unittest.TestCase):
             self.assertEqual(daemon.returncode, 0, log)
             self.assertIn("config_rejected", log)
             self.assertIn("config_reloaded", log)
+
+
+    @unittest.skipUnless(os.geteuid() == 0, "needs root, to become somebody else")
+    def test_tells_who_may_not_ask_that_it_is_a_matter_of_permission(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.chmod(folder, 0o755)
+            endpoint = f"ipc://{folder}/nav"
+            daemon = subprocess.Popen([ARMATURED, "--source", "synth:stand?size=160x120", "--endpoint", endpoint, "--quiet"])
+            try:
+                while run("status", endpoint).returncode != 0:
+                    time.sleep(0.1)
+                for words in (["status", endpoint, "--timeout", "0.2"], ["listen", endpoint, "--plain", "--timeout", "30"]):
+                    asked = subprocess.run([ARMATURE, *words], capture_output=True, text=True, timeout=60, user=65534,
+                                           group=65534, extra_groups=[])
+                    self.assertEqual(asked.returncode, 1)
+                    self.assertIn("permission denied", asked.stderr)
+                    self.assertIn("adduser", asked.stderr)
+            finally:
+                daemon.terminate()
+                daemon.wait()
 
 
 class Record(unittest.TestCase):

@@ -100,6 +100,7 @@ class Listener {
         shows_picture_(!options.json && !options.plain && Terminal::there()) {}
 
   Expected<void> run() {
+    if (const auto allowed = navproto::may_connect(options_.endpoint); !allowed) return fail(allowed.error().message);
     // Who only listens wants every value; who looks wants the body and the dead zones, too.
     std::optional<SettingsWatch> settings;
     if (shows_picture_ || !options_.svg.empty()) {

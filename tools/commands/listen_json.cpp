@@ -83,6 +83,7 @@ Json to_json(const navproto::HealthMessage& message) {
   json["version"] = message.version;
   json["source"] = message.source;
   json["source_alive"] = message.source_alive;
+  json["source_trouble"] = message.source_trouble;
   json["frames_received"] = message.frames_received;
   json["frames_dropped"] = message.frames_dropped;
   json["frames_processed"] = message.frames_processed;

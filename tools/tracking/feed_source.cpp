@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include <armature/navproto/endpoints.h>
 #include <armature/navproto/feed.h>
 
 namespace armature::tools {
@@ -21,7 +22,12 @@ class FeedSource final : public DepthSource {
   Expected<void> await_first(std::chrono::milliseconds patience) {
     auto first = feed_.receive(patience);
     if (!first) return fail(first.error().message);
-    if (!*first) return fail(endpoint_ + ": no depth came; is armatured running there, and has it a sensor?");
+    if (!*first) {
+      if (const auto at = navproto::endpoints_of(endpoint_)) {
+        if (const auto allowed = navproto::may_connect(at->feed); !allowed) return fail(allowed.error().message);
+      }
+      return fail(endpoint_ + ": no depth came; is armatured running there, and has it a sensor?");
+    }
     waiting_ = std::move(**first);
     const navproto::FeedIntrinsics& k = waiting_->intrinsics;
     info_.intrinsics = {k.width, k.height, k.focal_x_px, k.focal_y_px, k.centre_x_px, k.centre_y_px};

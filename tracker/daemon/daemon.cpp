@@ -1,8 +1,10 @@
 #include "tracker/daemon/daemon.h"
 
 #include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -46,6 +48,9 @@ Expected<T> as_ours(navproto::Expected<T>&& result) {
 }  // namespace
 
 Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
+  // One arena for all threads: with one a thread each keeps what any of them once needed, and over days of peers that
+  // come and go memory creeps up. Frames need no memory, so nobody waits for the arena's lock.
+  ::mallopt(M_ARENA_MAX, 1);
   const Config& config = options.config;
   if (config.source.empty() && !options.source)
     return fail("no source: name one with --source URI or source.uri in the configuration");
@@ -97,8 +102,8 @@ Expected<void> Daemon::run(const std::stop_token& stop) {
   s.say(wire::EventKind::Started, fmt::format("armatured {} reads {}", kVersion, s.config.source));
   s.last_frame = s.options.clock->now();
   s.stop_camera(wire::StopReason::NoUser);  // the first thing anybody hears
-  s.service.ready("running");
-  s.capture.show(StatusLight::Ready);
+  s.service.ready();
+  s.show_state();
   while (!stop.stop_requested()) {
     if (reload_requested_.exchange(false, std::memory_order_relaxed)) (void)s.reload();
     s.cycle();
@@ -162,6 +167,12 @@ void Daemon::State::track(const DepthFrame& frame) {
   metrics.frames.fetch_add(1, std::memory_order_relaxed);
   metrics.latency.add(last_frame - received);
   for (std::size_t stage = 0; stage < kStageCount; ++stage) metrics.stage[stage].add(output.stage_time[stage]);
+  if (silent) {
+    silent = false;
+    trouble.clear();
+    show_state();
+    say(wire::EventKind::SourceRecovered, "frames come again");
+  }
   note_state(output.state);
 
   fill_message(skeleton, output);
@@ -169,29 +180,25 @@ void Daemon::State::track(const DepthFrame& frame) {
   feed->offer(frame.view(), output.user_of_pixel);
   for (const TrackerEvent& event : output.events) {
     if (event.kind == TrackerEventKind::RestCaptured) rest_requested = false;
+    if (event.kind == TrackerEventKind::Engaged) metrics.engaged.fetch_add(1, std::memory_order_relaxed);
+    if (event.kind == TrackerEventKind::Released) metrics.released.fetch_add(1, std::memory_order_relaxed);
     say(event_message(event, output.navigation));
-  }
-  if (silent) {
-    silent = false;
-    say(wire::EventKind::SourceRecovered, "frames come again");
   }
   metrics.source_alive.store(true, std::memory_order_relaxed);
 }
 
 void Daemon::State::note_state(EngagementState state) {
-  if (state == EngagementState::Engaged && last_state == EngagementState::Calibrating) {
-    metrics.engaged.fetch_add(1, std::memory_order_relaxed);
-  }
-  if (last_state == EngagementState::Lost && state < EngagementState::Engaged) {
-    metrics.released.fetch_add(1, std::memory_order_relaxed);
-  }
-  if (state != last_state) {
-    capture.show(state == EngagementState::Engaged       ? StatusLight::Engaged
-                 : state == EngagementState::Calibrating ? StatusLight::Calibrating
-                                                         : StatusLight::Ready);
-  }
-  last_state = state;
   metrics.engagement.store(static_cast<int>(state), std::memory_order_relaxed);
+  if (state == std::exchange(last_state, state)) return;
+  show_state();
+}
+
+void Daemon::State::show_state() {
+  service.status(silent ? "no frames: " + trouble : "running");
+  capture.show(silent                                       ? StatusLight::Trouble
+               : last_state == EngagementState::Engaged     ? StatusLight::Engaged
+               : last_state == EngagementState::Calibrating ? StatusLight::Calibrating
+                                                            : StatusLight::Ready);
 }
 
 void Daemon::State::cycle() {
@@ -211,16 +218,26 @@ void Daemon::State::watch_source(bool frame_came) {
     torn_on_the_way = source.bad_frames;
     stop_camera(wire::StopReason::SourceFailed);
   }
-  if (frame_came || silent) return;
-  if (source.trouble.empty() && options.clock->now() - last_frame < silence_of(capture.info())) return;
+  if (frame_came) return;
+  if (silent) {
+    // Why, as far as is known by now: at first it is only that nothing comes.
+    if (source.trouble.empty() || source.trouble == trouble) return;
+    trouble = source.trouble;
+    show_state();
+    say(wire::EventKind::Warning, trouble);
+    return;
+  }
+  const auto unheard_of = options.clock->now() - last_frame;
+  if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
   silent = true;
+  trouble = source.trouble.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms)
+                                   : source.trouble;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
   stop_camera(wire::StopReason::SourceFailed);
-  say(wire::EventKind::SourceLost, source.trouble.empty() ? fmt::format("{} has sent no frame for {} ms", config.source,
-                                                                        (options.clock->now() - last_frame) / 1ms)
-                                                          : source.trouble);
+  show_state();
+  say(wire::EventKind::SourceLost, trouble);
 }
 
 void Daemon::State::serve_between_frames() {
@@ -243,6 +260,7 @@ wire::HealthMessage Daemon::State::health() const {
   message.version = kVersion;
   message.source = config.source;
   message.source_alive = !silent;
+  message.source_trouble = trouble;
   message.frames_processed = processed;
   message.frames_dropped = capture.dropped();
   message.frames_received = processed + capture.dropped();

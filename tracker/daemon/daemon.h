@@ -37,7 +37,8 @@ struct DaemonOptions {
 /// is published at once, with its reason.
 class Daemon {
  public:
-  /// Opens model, source and endpoint; one line where one of them cannot be had.
+  /// Opens model, source and endpoint; one line where one of them cannot be had. Has malloc() keep one arena for the
+  /// whole process.
   [[nodiscard]] static Expected<std::unique_ptr<Daemon>> create(DaemonOptions options);
   ~Daemon();
   Daemon(const Daemon&) = delete;

@@ -1,7 +1,10 @@
-#include <fstream>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "tracker/daemon/daemon_state.h"
 #include "tracker/daemon/security.h"
@@ -13,16 +16,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// On the disk before it takes the old one's place: a power cut leaves the one or the other.
 Expected<void> write_file(const std::filesystem::path& path, const std::string& text) {
-  auto temporary = path;
-  temporary += ".new";
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  out << text << std::flush;
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (out && !error) return {};
-  std::filesystem::remove(temporary, error);
-  return fail(path.string() + ": cannot be written; the old file is as it was");
+  const std::string temporary = path.string() + ".new";
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  bool written = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  written = written && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+  if (file != nullptr && std::fclose(file) != 0) written = false;
+  if (written && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
+  const std::string why = std::strerror(errno);
+  std::remove(temporary.c_str());
+  return fail(path.string() + ": cannot be written: " + why + "; the old file is as it was");
 }
 
 }  // namespace
@@ -48,7 +52,7 @@ Expected<void> Daemon::State::reload() {
     else if (const auto uids = control_uids(*read); !uids)
       refuse(uids.error());
   }
-  service.ready("running");
+  service.ready();
   if (!read) {
     metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
     say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");

@@ -42,6 +42,7 @@ struct Daemon::State {
   void compare_background(const Intrinsics& image);
   void watch_source(bool frame_came);
   void note_state(EngagementState state);
+  void show_state();
   void serve_between_frames();
   void stop_camera(wire::StopReason reason);
   void publish_health();
@@ -68,6 +69,7 @@ struct Daemon::State {
   std::uint64_t processed = 0, processed_at_last_health = 0;
   float frames_per_second = 0;
   bool silent = false;
+  std::string trouble;  // why, while it is silent
   FrameGuard guard;
   bool said_background_misfits = false;
   std::uint64_t torn_on_the_way = 0;

@@ -11,8 +11,8 @@ Service::Service() {
   if (sd_watchdog_enabled(0, &watchdog_us) > 0) interval_ = std::chrono::microseconds(watchdog_us) / 4;
 }
 
-void Service::ready(const std::string& status) {
-  sd_notify(0, ("READY=1\nSTATUS=" + status).c_str());
+void Service::ready() {
+  sd_notify(0, "READY=1");
 }
 void Service::reloading() {
   sd_notify(0, "RELOADING=1");

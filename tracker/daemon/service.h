@@ -10,9 +10,10 @@ class Service {
  public:
   Service();
 
-  void ready(const std::string& status);
+  void ready();
   void reloading();
   void stopping();
+  /// What `systemctl status` shows.
   void status(const std::string& line);
   /// A cycle of the daemon's loop is complete. Feeds the watchdog, at most four times in its interval, and not
   /// otherwise: a loop that hangs does not feed it.

@@ -19,6 +19,7 @@
 #include "tracker/daemon/frame_guard.h"
 #include "tracker/daemon/log_limit.h"
 #include "tracker/daemon/metrics.h"
+#include "tracker/synth/open_source.h"
 
 namespace armature {
 namespace {
@@ -49,6 +50,67 @@ class DaemonTest : public testing::Test {
   test::TemporaryDirectory directory_;
   std::string endpoint_ = "ipc://" + (directory_.path() / "nav").string();
 };
+
+/// A synthetic person as a sensor shows her, on an injected clock: after `seen` frames it is silent for ten seconds.
+class SensorWithAGap final : public DepthSource {
+ public:
+  struct Shown {
+    std::vector<StatusLight> lights;
+  };
+  SensorWithAGap(std::shared_ptr<ManualClock> clock, int seen, std::shared_ptr<Shown> shown)
+      : clock_(std::move(clock)), shown_(std::move(shown)), seen_(seen), person_(*open_source(kPerson)) {
+    info_ = person_->info();
+    info_.live = true;
+  }
+  [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] SourceHealth health() const override { return {.trouble = trouble_}; }
+  void show(StatusLight light) override { shown_->lights.push_back(light); }
+  [[nodiscard]] Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
+    clock_->advance(33ms);
+    const int silent = ++reads_ - seen_;
+    trouble_ = silent < 0 || silent > 300 ? "" : silent < 20 ? "the capture process died" : "nothing is plugged in";
+    if (!trouble_.empty()) return ReadStatus::Timeout;
+    auto status = person_->read(frame, timeout);
+    frame.sensor.time = frame.host.time = clock_->now();
+    return status;
+  }
+
+ private:
+  static constexpr std::string_view kPerson = "synth:bend_knees?size=320x240&seed=11";
+  std::shared_ptr<ManualClock> clock_;
+  std::shared_ptr<Shown> shown_;
+  int seen_, reads_ = 0;
+  std::unique_ptr<DepthSource> person_;
+  SourceInfo info_;
+  std::string trouble_;
+};
+
+TEST_F(DaemonTest, SaysWhyASensorIsSilentShowsItAndLetsWhoSteeredGo) {
+  const auto clock = std::make_shared<ManualClock>();
+  const auto shown = std::make_shared<SensorWithAGap::Shown>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  options.source = std::make_unique<SensorWithAGap>(clock, 100, shown);
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  navproto::NavSubscriber nav(endpoint_);
+  ASSERT_TRUE((*daemon)->run({}));
+  std::vector<std::string> events;
+  EXPECT_TRUE(eventually([&] {
+    for (const auto& event : nav.take_events()) events.push_back(event.text);
+    return !events.empty() && events.back().starts_with("end of");
+  }));
+  const auto heard = [&](const std::string& text) { return std::count(events.begin(), events.end(), text); };
+  EXPECT_EQ(heard("the capture process died"), 1);
+  EXPECT_EQ(heard("nothing is plugged in"), 1) << "what is known later is said, too, and once";
+  EXPECT_EQ(heard("frames come again"), 1);
+  EXPECT_EQ((*daemon)->metrics().engaged.load(), 2U);
+  EXPECT_EQ((*daemon)->metrics().released.load(), 1U) << "ten seconds are longer than two";
+  using enum StatusLight;
+  EXPECT_EQ(shown->lights.front(), Ready);
+  EXPECT_EQ(std::count(shown->lights.begin(), shown->lights.end(), Trouble), 2) << "and why, as it changed";
+  EXPECT_EQ(shown->lights.back(), Off);
+}
 
 TEST_F(DaemonTest, ARecordedPersonSteersASubscriberAndEndsWithAZero) {
   auto daemon = Daemon::create(options_for("synth:bend_knees?size=320x240&seed=11", true));
@@ -220,6 +282,9 @@ TEST_F(DaemonTest, StartsWithoutItsSensorAndSaysSo) {
   std::thread thread([&] { EXPECT_TRUE((*daemon)->run(stop.get_token())); });
   EXPECT_TRUE(eventually(
       [&] { return nav.navigation() && nav.navigation()->stop_reason == navproto::StopReason::SourceFailed; }));
+  EXPECT_TRUE(
+      eventually([&] { return nav.health() && nav.health()->source_trouble.find("INDEX.txt") != std::string::npos; }));
+  EXPECT_FALSE(nav.health()->source_alive);
   stop.request_stop();
   thread.join();
 }

@@ -28,15 +28,19 @@ class Notify(unittest.TestCase):
                 [BUILD / "bin" / "armatured", "--source", f"process:fakenect:{folder}/nothing", "--endpoint",
                  f"ipc://{folder}/nav", "--quiet"], env=environment)
             try:
-                heard = listener.recv(4096).decode()
-                self.assertIn("READY=1", heard)
-                for _ in range(3):
-                    self.assertEqual(listener.recv(4096).decode(), "WATCHDOG=1")
+                self.assertEqual(listener.recv(4096).decode(), "READY=1")
+                fed, said = 0, []
+                while fed < 3 or not any("INDEX.txt" in line for line in said):
+                    heard = listener.recv(4096).decode()
+                    fed += heard == "WATCHDOG=1"
+                    said += [heard] if heard.startswith("STATUS=") else []
+                self.assertEqual(said[0], "STATUS=running")
+                self.assertIn("STATUS=no frames: ", said[-1])
             finally:
                 daemon.terminate()
                 self.assertEqual(daemon.wait(timeout=20), 0)
             heard = listener.recv(4096).decode()
-            while heard == "WATCHDOG=1":
+            while heard == "WATCHDOG=1" or heard.startswith("STATUS="):
                 heard = listener.recv(4096).decode()
             self.assertIn("STOPPING=1", heard)
 

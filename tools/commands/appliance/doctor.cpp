@@ -1,7 +1,10 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 
+#include <armature/navproto/control.h>
+#include <armature/navproto/endpoints.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -17,6 +20,8 @@
 
 namespace armature::tools {
 namespace {
+
+constexpr std::chrono::milliseconds kDaemonAnswers{1000};
 
 struct DoctorOptions {
   std::string config;
@@ -80,7 +85,29 @@ void look_at_sensors(Findings& findings) {
                  "check cable, hub and power; `lsusb` lists what the kernel sees");
 }
 
-void look_at_configuration(const std::string& file, Findings& findings) {
+/// What the daemon at that control endpoint says of itself, where one answers.
+std::optional<navproto::HealthMessage> ask_daemon(const std::string& control) {
+  auto client = navproto::ControlClient::connect(control);
+  if (!client) return std::nullopt;
+  auto reply = client->request({}, kDaemonAnswers);
+  if (!reply || !reply->error.empty()) return std::nullopt;
+  return std::move(reply->health);
+}
+
+void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& options, Findings& findings) {
+  const std::string what = fmt::format("armatured {} reads {}", daemon.version, daemon.source);
+  if (daemon.source_alive) {
+    findings.good("daemon", fmt::format("{}, {:.1f} frames a second", what, daemon.frames_per_second));
+  } else {
+    findings.bad("daemon", what + ", which sends nothing: " + daemon.source_trouble,
+                 "see the sensors above; `journalctl -u armatured` has the story");
+  }
+  if (options.site.source == daemon.source)
+    findings.note("daemon", "it holds the sensor that --site asks for: `systemctl stop armatured` first");
+}
+
+void look_at_configuration(const DoctorOptions& options, Findings& findings) {
+  const std::string& file = options.config;
   Config config;
   if (!file.empty()) {
     auto read = load_config(file);
@@ -88,6 +115,8 @@ void look_at_configuration(const std::string& file, Findings& findings) {
       return findings.bad("config", read.error().message, "mend that line; `armatured --print-config` lists all keys");
     findings.good("config", file + " is in order");
     config = std::move(*read);
+    if (config.source.empty())
+      findings.bad("source", "source.uri names none", "`armature devices` lists what is plugged in, with its URI");
   }
   const std::filesystem::path model = config.model.empty() ? installed_model() : std::filesystem::path(config.model);
   if (const auto forest = Forest::load(model); !forest) {
@@ -100,19 +129,31 @@ void look_at_configuration(const std::string& file, Findings& findings) {
   } else if (config.endpoint.starts_with("tcp:") && !*door) {
     findings.note("endpoint", config.endpoint + " is insecure, as configured");
   }
+  const auto control = control_endpoint(config);
+  if (!control) findings.bad("control", control.error().message, "see control in `armatured --print-config`");
+  if (const auto uids = control_uids(config); !uids)
+    findings.bad("control", uids.error().message, "`id -u USER` tells a user's number");
+  // What the endpoint and the port are for is there already.
+  if (const auto daemon = control ? ask_daemon(*control) : std::nullopt)
+    return look_at_daemon(*daemon, options, findings);
   constexpr std::string_view kIpc = "ipc://";
   if (config.endpoint.starts_with(kIpc)) {
-    const auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
+    if (folder.empty()) folder = ".";
+    if (config.endpoint == navproto::kDefaultEndpoint && ::access(folder.c_str(), F_OK) != 0) {
+      findings.note("endpoint", folder.string() +
+                                    " is not there: systemd makes it when it starts the service; by hand "
+                                    "take another (`armatured --endpoint ipc:///tmp/nav`)");
+    } else if (::access(folder.c_str(), W_OK | X_OK) != 0) {
       findings.bad("endpoint", folder.string() + " cannot be written by this user",
-                   "systemd makes it for the service; by hand: another endpoint, or `mkdir` it");
+                   "choose another publish.endpoint, or `mkdir` it");
     } else {
       findings.good("endpoint", config.endpoint + " can be had");
     }
   }
   if (config.metrics_port != 0) {
     if (const auto server = MetricsServer::start(config.metrics_port, [] { return std::string(); }); !server) {
-      findings.bad("port", server.error().message, "or is the daemon running? then all is well");
+      findings.bad("port", server.error().message, "another program has it; `ss -ltnp` tells which");
     } else {
       findings.good("port", fmt::format("127.0.0.1:{} is free", config.metrics_port));
     }
@@ -122,10 +163,11 @@ void look_at_configuration(const std::string& file, Findings& findings) {
 Expected<void> examine(const DoctorOptions& options) {
   Findings findings(options.json);
   look_at_sensors(findings);
-  look_at_configuration(options.config, findings);
+  look_at_configuration(options, findings);
   if (!options.site.source.empty()) look_at_site(options.site, findings);
   if (findings.problems() > 0)
-    return fail(fmt::format("{} problems; each line above has its remedy", findings.problems()));
+    return fail(fmt::format("{} problem{}, with {} above", findings.problems(), findings.problems() == 1 ? "" : "s",
+                            findings.problems() == 1 ? "its remedy" : "their remedies"));
   return {};
 }
 

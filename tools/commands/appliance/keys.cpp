@@ -28,6 +28,7 @@ Expected<void> allow(const KeyOptions& options) {
   const auto added = navproto::allow_key(options.file, {options.key, options.name});
   if (!added) return fail(added.error().message);
   if (options.json) return write_json_line(stdout, {{"file", options.file}, {"allowed", options.key}});
+  std::puts("listed; a daemon that runs lets it in after `systemctl restart armatured`");
   return {};
 }
 
@@ -52,7 +53,9 @@ void add_keys(CLI::App& app, Run& run) {
       app.add_subcommand("keys", "Who may listen over a network: CURVE keys and the list of those allowed");
   keys->require_subcommand(1);
   keys->footer(
-      "A publisher over tcp has keys and a list; a subscriber has keys, and knows the publisher's public key.\n\n"
+      "A publisher over tcp has keys and a list; a subscriber has keys, and knows the publisher's public key. The\n"
+      "daemon reads both when it starts: publish.keys and publish.allow in its configuration, then `systemctl restart\n"
+      "armatured`.\n\n"
       "Example:\n"
       "  armature keys new /etc/armature/kiosk.key          # on the kiosk: prints its public key\n"
       "  armature keys new wall.key                         # on the wall\n"

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -38,7 +39,8 @@ void store_background(const std::string& file, std::span<const DepthFrame> frame
   const auto known = std::ranges::count_if(background.depth_mm, [](auto depth) { return depth != 0; });
   findings.good("background",
                 fmt::format("{:.0f} % of the image are known; in the configuration: [segmentation] background = \"{}\"",
-                            100 * static_cast<double>(known) / static_cast<double>(background.depth_mm.size()), file));
+                            100 * static_cast<double>(known) / static_cast<double>(background.depth_mm.size()),
+                            std::filesystem::absolute(file).string()));
 }
 
 /// Which way is up for the Kinect that `source` names, as its accelerometer feels it: unit, camera frame.
@@ -131,7 +133,7 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
   const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * kDegrees;
   const float roll = std::atan2(up.x(), -up.y()) * kDegrees;
   const std::string stands =
-      fmt::format("{:.2f} m above the floor, {}, rolled by {:.0f}", floor.offset, looks(tilt), roll);
+      fmt::format("{:.2f} m above the floor, {}, rolled by {:.0f}", floor.offset, looks(tilt), std::abs(roll));
   if (std::abs(roll) > 5)
     findings.bad("stand", stands, "level it: roll should be within 5 degrees");
   else if (floor.offset < 0.4F || floor.offset > 2.6F || std::abs(tilt) > 40)

@@ -24,4 +24,9 @@ struct Endpoints {
 /// address) nor `tcp://HOST:PORT` with a port from 1 to 65531.
 [[nodiscard]] Expected<Endpoints> endpoints_of(std::string_view base);
 
+/// Why nothing will ever come from a socket, a member of Endpoints: fails where this user may not connect to its path.
+/// That nobody listens there is no failure, and of tcp nothing is known. Connects for a moment.
+/// Thread-safe: yes. Realtime-safe: no.
+[[nodiscard]] Expected<void> may_connect(std::string_view endpoint);
+
 }  // namespace armature::navproto

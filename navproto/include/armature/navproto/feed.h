@@ -37,7 +37,7 @@ class FeedPublisher {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Receives the newest frame of the feed. Thread-safe: no.
+/// Receives the newest frame of the feed, on a thread of its own. Thread-safe: no.
 class FeedSubscriber {
  public:
   /// Connects to `feed` of endpoints_of(endpoint), whether or not somebody publishes there yet; fails where the
