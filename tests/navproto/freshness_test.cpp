@@ -43,6 +43,18 @@ TEST(Freshness, ABurstAfterAPauseIsSeenForWhatItIs) {
   }
 }
 
+TEST(Freshness, NoBurstIsLongEnoughToTeachThatAllIsLate) {
+  Freshness freshness;
+  nanoseconds sent = seconds(5);
+  for (int i = 0; i < 300; ++i, sent += kPeriod) (void)freshness.made_at(sent, sent, sent + kOtherOrigin);
+  // 20,000 messages waited, and are read one every 20 us.
+  constexpr int kWaiting = 20'000;
+  nanoseconds received = sent + kWaiting * kPeriod + seconds(10) + kOtherOrigin;
+  for (int i = 0; i < kWaiting; ++i, sent += kPeriod, received += microseconds(20)) {
+    EXPECT_EQ(freshness.made_at(sent, sent, received), sent + kOtherOrigin);
+  }
+}
+
 TEST(Freshness, ClocksThatDriftDoNotAddUp) {
   Freshness freshness;
   // The receiver's clock gains 100 us each second, for a day.

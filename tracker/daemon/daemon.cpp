@@ -189,12 +189,15 @@ void Daemon::State::track(const DepthFrame& frame) {
 
 void Daemon::State::note_state(EngagementState state) {
   metrics.engagement.store(static_cast<int>(state), std::memory_order_relaxed);
-  if (state == std::exchange(last_state, state)) return;
-  show_state();
+  if (state != std::exchange(last_state, state)) show_light();
 }
 
 void Daemon::State::show_state() {
   service.status(silent ? "no frames: " + trouble : "running");
+  show_light();
+}
+
+void Daemon::State::show_light() {
   capture.show(silent                                       ? StatusLight::Trouble
                : last_state == EngagementState::Engaged     ? StatusLight::Engaged
                : last_state == EngagementState::Calibrating ? StatusLight::Calibrating

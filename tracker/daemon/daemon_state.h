@@ -42,7 +42,8 @@ struct Daemon::State {
   void compare_background(const Intrinsics& image);
   void watch_source(bool frame_came);
   void note_state(EngagementState state);
-  void show_state();
+  void show_state();  // to the service manager and by the light
+  void show_light();  // of the sensor
   void serve_between_frames();
   void stop_camera(wire::StopReason reason);
   void publish_health();
