@@ -242,13 +242,12 @@ class SurfaceComparison {
 void find_agreement(std::span<const Tracked> recordings, RealEvaluation& result) {
   Agreement as_is, late, calm, calm_late, imitating, imitating_calm_late;
   SurfaceComparison shoulders, hips;
-  std::vector<SeenTwice> seen;
+  std::vector<SeenTwice> seen, seen_later;
   for (const Tracked& recording : recordings) seen.push_back(recording.seen);
-  for (SeenTwice& one : seen) one.sdk = delayed(one.sdk);
-  const std::vector<std::vector<Skeleton>> imitations = imitate_sdk(seen);
+  for (const SeenTwice& one : seen) seen_later.push_back({one.person, one.ours, delayed(one.sdk)});
+  const auto imitations = imitate_sdk(seen), imitations_later = imitate_sdk(seen_later);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const std::vector<Skeleton>&ours = recordings[i].seen.ours, &sdk = recordings[i].seen.sdk;
-    const std::vector<Skeleton>& sdk_later = seen[i].sdk;
+    const std::vector<Skeleton>&ours = seen[i].ours, &sdk = seen[i].sdk, &sdk_later = seen_later[i].sdk;
     const AngleComparison angles = compare_angles(ours, sdk);
     SequenceAgreement& sequence = result.sequences[i];
     sequence.sdk_span_rad = angles.sdk_span_rad;
@@ -261,7 +260,7 @@ void find_agreement(std::span<const Tracked> recordings, RealEvaluation& result)
     calm.add(published, sdk);
     calm_late.add(published, sdk_later);
     imitating.add(imitations[i], sdk);
-    imitating_calm_late.add(filtered(imitations[i]), sdk_later);
+    imitating_calm_late.add(filtered(imitations_later[i]), sdk_later);
     const PerMotion<Angles> our_angles = angles_of(ours), sdk_angles = angles_of(sdk);
     constexpr std::size_t kShoulders = index(MotionId::RotateShoulders), kHips = index(MotionId::RotateHips);
     shoulders.add(recordings[i].shoulders_turn, our_angles[kShoulders], sdk_angles[kShoulders]);

@@ -10,8 +10,7 @@ namespace {
 
 constexpr Eigen::Index kInputs = 3 * kJointCount, kOutputs = 3 * kNavigationJoints.size();
 constexpr float kUnit_m = 0.1F;
-/// Of the ridge. Agreement hardly depends on it: 3 to 100 give the same within 0.05 cm.
-constexpr double kRidge = 30;
+constexpr double kRidge = 30;  // agreement hardly depends on it
 
 /// Of one recording, a row a frame, each column less its mean: where our joints are as seen from the torso, and by how
 /// much the SDK's are elsewhere.

@@ -75,6 +75,7 @@ std::optional<double> surface_turn(const DepthView& frame, std::span<const std::
     }
     plane = normal.ldlt().solve(right);
   }
+  if (!plane.allFinite()) return std::nullopt;  // all of them in one row
   // Somebody who faces the camera has her left at +x; turned to it, that side is farther away.
   return std::atan(plane.x());
 }

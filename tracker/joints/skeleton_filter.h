@@ -17,9 +17,12 @@ namespace armature {
 /// Deterministic. Thread-safe: no. Realtime-safe: yes.
 class SkeletonFilter {
  public:
-  /// Speeds are in m/s: the coefficient is in Hz per m/s.
-  static constexpr OneEuroOptions kDefault{
-      .min_cutoff_hz = 0.7F, .speed_coefficient = 80, .derivative_cutoff_hz = 1.5F, .noise_speed = 0.1F};
+  /// Speeds are in m/s: the coefficient is in Hz per m/s. A joint that is held back lags: that is no speed of its own.
+  static constexpr OneEuroOptions kDefault{.min_cutoff_hz = 0.7F,
+                                           .speed_coefficient = 80,
+                                           .derivative_cutoff_hz = 1.5F,
+                                           .noise_speed = 0.1F,
+                                           .lag_is_speed = false};
 
   explicit SkeletonFilter(const OneEuroOptions& options = kDefault) : options_(options) {}
 

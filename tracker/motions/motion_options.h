@@ -18,6 +18,7 @@ struct OneEuroOptions {
   float speed_coefficient = 3.0F;     ///< the paper's beta, Hz per rad/s: higher follows fast motion more closely
   float derivative_cutoff_hz = 3.0F;  ///< smooths the speed itself
   float noise_speed = 0;              ///< a speed up to this is noise and raises nothing
+  bool lag_is_speed = true;           ///< whether being behind the signal counts as its speed; the paper's does not
 };
 
 /// The angle that counts as 1, in the order of MotionId. The source publishes none: these are ours, chosen so that the

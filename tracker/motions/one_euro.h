@@ -25,7 +25,8 @@ class BasicOneEuro {
       speed_ = 0 * value;
       return value_;
     }
-    speed_ += smoothing(options.derivative_cutoff_hz, dt_s) * ((value - last_) / dt_s - speed_);
+    const Value& before = options.lag_is_speed ? value_ : last_;
+    speed_ += smoothing(options.derivative_cutoff_hz, dt_s) * ((value - before) / dt_s - speed_);
     last_ = value;
     const float cutoff_hz =
         options.min_cutoff_hz + options.speed_coefficient * std::max(0.0F, magnitude(speed_) - options.noise_speed);

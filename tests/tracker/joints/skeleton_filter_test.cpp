@@ -1,5 +1,7 @@
 #include "tracker/joints/skeleton_filter.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 namespace armature {
@@ -41,6 +43,19 @@ TEST(SkeletonFilter, AJointThatTremblesIsCalmed) {
     if (t >= 30) most = std::max(most, std::abs(out[JointId::LeftKnee].position.x()));
   }
   EXPECT_LT(most, 0.001F);
+}
+
+TEST(SkeletonFilter, ADriftAsSlowAsNoiseOpensNothing) {
+  SkeletonFilter filter;
+  constexpr float kDrift_m_s = 0.09F;
+  float late_m = 0;
+  for (int t = 0; t < 90; ++t) {
+    const float x = kDrift_m_s * std::chrono::duration<float>(t * kFrame).count();
+    late_m = x - filtered(filter, at({x, 0, 2}), t * kFrame)[JointId::Head].position.x();
+  }
+  // That of a low-pass with the cutoff at rest.
+  const float expected_m = kDrift_m_s / (2 * std::numbers::pi_v<float> * SkeletonFilter::kDefault.min_cutoff_hz);
+  EXPECT_NEAR(late_m, expected_m, 0.01F * expected_m);
 }
 
 TEST(SkeletonFilter, AFastJointIsHardlyLate) {
