@@ -59,7 +59,8 @@ class Viewer(unittest.TestCase):
         made = run("armature", "mesh", "sample", "creature", "creature.off", "--rounds", 5, folder=cls.models)
         assert made.returncode == 0, made.stderr
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
-        (cls.models / "broken.moves").write_text("level 8\nmove spheres 0 translate 0 1 0\nmove nothing\n")
+        (cls.models / "broken.moves").write_text("armature deformation 1\nlevel 8\nmove spheres 0 translate 0 1 0\n"
+                                                "move nothing\n")
         (cls.models / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n")
 
     @classmethod
@@ -113,6 +114,7 @@ class Viewer(unittest.TestCase):
 
     def test_poses_and_sessions_that_are_played_again(self):
         self.script("pose.txt")
+        self.assertEqual((self.folder / "kept.moves").read_bytes(), (self.folder / "pose.moves").read_bytes())
         first = self.facts((self.folder / "session.txt").read_text().splitlines())
         self.assertEqual(first["spheres"], "12")
         self.assertEqual(first["steps"], "2")
@@ -318,17 +320,16 @@ class Viewer(unittest.TestCase):
         self.addCleanup(hands.close)
         return program, hands
 
-    def saved_by_hand(self, hands, name):
-        """Ctrl+S and a name, until what was open at last has been written: opening it may take a while."""
-        for _ in range(20):
+    def expect_saved_by_hand(self, hands, name, expected):
+        """Ctrl+S and a name, a longer one each time, until what is expected has been written: opening it may take a
+        while, and nothing is saved meanwhile."""
+        before, deadline = set(self.folder.glob("*.off")), time.monotonic() + 60
+        while all(file.read_bytes() != expected for file in set(self.folder.glob("*.off")) - before):
+            self.assertLess(time.monotonic(), deadline, f"what was expected of {name} was not written")
+            name += "x"
             hands.press("Control_L", "s")
-            hands.type(name + "\n")
-            for _ in range(20):
-                if (self.folder / name).exists():
-                    return (self.folder / name).read_bytes()
-                time.sleep(0.1)
-            hands.press("Escape")
-        self.fail(f"{name} was not written")
+            hands.type(name + ".off\n")
+            time.sleep(0.5)
 
     @unittest.skipUnless(shutil.which("Xvfb") and x_hands.load(), "Xvfb or libXtst is missing")
     def test_files_that_are_dropped_and_chosen_by_hand(self):
@@ -340,11 +341,10 @@ class Viewer(unittest.TestCase):
         viewer, hands = self.in_a_window([BINARIES / "armature-viewer"])
         hands.point()
         hands.drop(self.folder / "creature.off")
-        self.assertEqual(self.saved_by_hand(hands, "dropped.off"), expected["creature"])
+        self.expect_saved_by_hand(hands, "dropped", expected["creature"])
         hands.press("Control_L", "o")
         hands.type("animal.off\n")
-        time.sleep(2)
-        self.assertEqual(self.saved_by_hand(hands, "opened.off"), expected["animal"])
+        self.expect_saved_by_hand(hands, "opened", expected["animal"])
         hands.ask_to_close()
         self.assertEqual(viewer.wait(timeout=60), 0)
 
@@ -366,7 +366,8 @@ class Viewer(unittest.TestCase):
         self.wait_for(lambda: list(self.folder.glob("armature-viewer.*/nav")), demo)
         self.assertEqual(len(list(self.folder.glob("armature-viewer.*/nav"))), 1, "a daemon of its own")
         hands.ask_to_close()
-        self.assertEqual(demo.wait(timeout=60), 0, demo.stderr)
+        _, error = demo.communicate(timeout=60)
+        self.assertEqual(demo.returncode, 0, error)
         self.assertEqual([left.name for left in self.folder.glob("armature*")], [])
         plain = subprocess.run([tree / "tools/demo", "--plain", "--seconds", "3", "person.oni"], cwd=self.folder,
                                env={**os.environ, **path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)

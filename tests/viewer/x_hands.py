@@ -78,8 +78,10 @@ class Hands:
         return self.x.XInternAtom(self.display, name.encode(), 0)
 
     def key(self, name, down):
-        symbol = ctypes.c_ulong(self.x.XStringToKeysym(name.encode()))
-        self.test.XTestFakeKeyEvent(self.display, self.x.XKeysymToKeycode(self.display, symbol), int(down), ctypes.c_ulong(0))
+        symbol = self.x.XStringToKeysym(name.encode())
+        assert symbol != 0, f"no key is named {name}"
+        code = self.x.XKeysymToKeycode(self.display, ctypes.c_ulong(symbol))
+        self.test.XTestFakeKeyEvent(self.display, code, int(down), ctypes.c_ulong(0))
         self.x.XFlush(self.display)
         time.sleep(0.12)  # longer than a frame takes, which takes in one event of a key
 

@@ -162,7 +162,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
     if (auto drawn = draw_view(*beside_, other, ui_.beside, height, framebuffer, careful); !drawn) return drawn;
   } else if (beside_) {
     beside_->rest();
-    if (!beside_->awaits()) beside_.reset();
+    if (!beside_->making()) beside_.reset();  // its job would be waited for
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width, height);

@@ -22,7 +22,8 @@ enum class Grip { None, X, Y, Z, View, Ring, Scale, Swell };
 }  // namespace
 
 /// A grip that is being dragged: whose, where it began, and what it does so far. What that would look like is found in
-/// the background, late by one step; it is shown until the command that the drag becomes has been carried out.
+/// the background, late by one step; it is shown until the command that the drag becomes has been carried out. While a
+/// job of the session runs nothing else is shown.
 struct GizmoDrag {
   Grip grip = Grip::None;
   ImVec2 from{0, 0};
@@ -220,13 +221,17 @@ bool handle_gizmo(Ui& ui, bool over) {
 bool follow_gizmo(Ui& ui) {
   if (!ui.drag) return false;
   GizmoDrag& drag = *ui.drag;
-  static_cast<void>(drag.previewing.poll());
+  // A job may be reading what a preview would change.
+  if (ui.session.job.running()) return drag.previewing.running();
   const auto model = drag.model.lock();
-  if (!model || !model->posing) return false;
+  const bool posed = model && model->posing;
+  if (!posed) drag.previewing.cancel();
+  static_cast<void>(drag.previewing.poll());
+  if (!posed) return drag.previewing.running();
   if (drag.grip == Grip::None) {
     // What it showed stays until what it did takes its place.
     drag.moved = false;
-    if (model->previewed && !ui.session.job.running() && !drag.previewing.running()) model->preview(nullptr);
+    if (model->previewed && !drag.previewing.running()) model->preview(nullptr);
     return drag.previewing.running();
   }
   if (drag.previewing.running()) return true;

@@ -29,6 +29,13 @@ struct FileDialog;
 struct Gesture;
 struct GizmoDrag;
 
+/// The slider of levels of a model: a level may take a while, and the last one that was wanted wins.
+struct LevelSlide {
+  std::weak_ptr<const Model> model = {};
+  int wanted = 0;                      ///< spheres
+  bool active = false, waits = false;  ///< whether the mouse holds it; whether the level has not been begun yet
+};
+
 /// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
 struct Ui {
   Session& commanded;                  ///< by `issue()` and `tell()`; nobody else changes it
@@ -52,6 +59,7 @@ struct Ui {
   std::shared_ptr<Gesture> gesture = nullptr;   ///< what it does there; and whether that is still being found
   std::shared_ptr<GizmoDrag> drag = nullptr;    ///< what a handle of a pose is dragged to
   bool following = false;
+  LevelSlide slide = {};
 
   /// Carries a command out; what fails is shown as the session's notice.
   template <class... Args>

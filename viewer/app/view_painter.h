@@ -40,10 +40,12 @@ class ViewPainter {
   /// The framebuffer that holds it.
   /// It may have fewer pixels than the view.
   [[nodiscard]] const Painter& picture() const noexcept { return rough_ ? quick_ : careful_; }
-  /// Nothing more of it is shown: what is being made for it is not wanted.
+  /// Nothing more of it is shown: what is being made for it is not wanted, nor is a better picture, until it paints.
   void rest() {
     mesh_->rest();
     spheres_->rest();
+    shown_.clear();
+    rough_ = false;
   }
   /// What kept something from being drawn, once.
   [[nodiscard]] std::optional<std::string> take_complaint() {
@@ -56,6 +58,8 @@ class ViewPainter {
   [[nodiscard]] bool rough() const noexcept { return rough_ || making(); }
   /// Whether that is all there is to do until something that is made in the background is there.
   [[nodiscard]] bool awaits() const noexcept { return !rough_ && making(); }
+  /// Whether something is being made in the background; its destructor waits for that.
+  [[nodiscard]] bool making() const noexcept { return mesh_->making() || spheres_->making(); }
 
  private:
   /// A drawing, and how it looks; another one is made where that differs.
@@ -71,7 +75,6 @@ class ViewPainter {
         careful_(std::move(careful)),
         mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)),
         spheres_(std::make_unique<SpheresDrawing>(options.most_fluent_spheres)) {}
-  [[nodiscard]] bool making() const noexcept { return mesh_->making() || spheres_->making(); }
   void keep(Kept& kept, int look, const Scene& scene);
   void show(const Kept& kept);
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once);

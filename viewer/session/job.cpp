@@ -50,7 +50,7 @@ std::optional<sdk::Expected<void>> Job::poll() {
   }
   const bool cancelled = !whole_ && thread_.get_stop_token().stop_requested();
   thread_.join();
-  const sdk::Expected<Apply> result = *std::exchange(state_, nullptr)->result;
+  const sdk::Expected<Apply> result = std::move(*std::exchange(state_, nullptr)->result);
   if (cancelled) return sdk::cancelled();  // also where the work was done before it could notice
   if (!result) return tl::unexpected(result.error());
   if (*result) (*result)();

@@ -1,5 +1,6 @@
 // What the mouse and the keys do in the view, without a window: ImGui is told where they are.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -439,6 +440,37 @@ TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
   ASSERT_TRUE(session.execute("mode walk"));
   drag(from, {40, 0});
   EXPECT_EQ(model.pose->steps, 0U);
+}
+
+TEST_F(Hands, ChangeNothingThatAJobMayBeReading) {
+  for (const char* line : {"build", "level 4", "pose", "handle 0"}) {
+    ASSERT_TRUE(session.execute(line)) << line;
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  }
+  const Model& model = *session.models.front();
+  const auto grip = session.camera.project(model.spheres->shape.spheres.front().centre);
+  const ImVec2 from(300 + 200 * static_cast<float>(grip.x()), 200 - 200 * static_cast<float>(grip.y()));
+  frame(from);
+  look(from, true);
+  look({from.x + 30, from.y}, true);
+  ASSERT_TRUE(follow_gizmo(ui)) << "a preview is being found";
+  std::atomic<bool> done = false;
+  session.start("reading", [&](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+    done.wait(false);
+    return Job::Apply();
+  });
+  // Found long ago or not: it is not shown.
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_TRUE(follow_gizmo(ui));
+    EXPECT_EQ(model.previewed, nullptr);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  done = true;
+  done.notify_all();
+  frame({from.x + 30, from.y});
+  while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  frame({from.x + 30, from.y});
+  EXPECT_NE(model.previewed, nullptr) << "now it is";
 }
 
 TEST_F(Hands, WalkThroughTheCity) {

@@ -195,6 +195,29 @@ TEST(Jobs, ChangeThingsOnTheCallersThreadOnceTheyAreDone) {
   EXPECT_FALSE(job.running());
 }
 
+/// Counts how often it is copied.
+struct Counted {
+  explicit Counted(int& of) : copies(&of) {}
+  Counted(const Counted& other) noexcept : copies(other.copies) { ++*copies; }
+  Counted(Counted&& other) noexcept = default;
+  Counted& operator=(const Counted&) = delete;
+  Counted& operator=(Counted&&) = delete;
+  ~Counted() = default;
+  int* copies;
+};
+
+TEST(Jobs, CopyNothingThatTheChangesHold) {
+  Job job;
+  int copies = 0;
+  bool changed = false;
+  job.start("holding", [&](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+    return Job::Apply([&changed, held = Counted(copies)] { changed = held.copies != nullptr; });
+  });
+  EXPECT_TRUE(waited_for(job)->has_value());
+  EXPECT_TRUE(changed);
+  EXPECT_EQ(copies, 0);
+}
+
 TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
   Job job;
   bool changed = false;

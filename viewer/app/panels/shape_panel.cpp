@@ -50,14 +50,8 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
-/// The slider of levels: a level may take a while, and the last one that was wanted wins.
-struct Slide {
-  int wanted = 0;
-  bool active = false, waits = false;
-};
-Slide slide;
-
 void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
+  LevelSlide& slide = ui.slide;
   if (spheres.hierarchy) {
     // A level is a number of spheres; half of the slider is for the first few hundred.
     const auto least = static_cast<int>(spheres.hierarchy->min_spheres());
@@ -99,9 +93,12 @@ void draw_shape_panel(Ui& ui) {
 
 void draw_sphere_panel(Ui& ui) {
   const Session& session = ui.session;
-  const Model& model = *session.models[session.active_model];
+  const auto shown = session.models[session.active_model];
+  const Model& model = *shown;
+  if (ui.slide.model.lock() != shown) ui.slide = {.model = shown};
   section("Spheres");
-  const bool busy = session.job.running() && !slide.active;  // what is disabled cannot be dragged on
+  ImGui::PushID(&model);                                        // the mouse holds no other model's slider
+  const bool busy = session.job.running() && !ui.slide.active;  // what is disabled cannot be dragged on
   ImGui::BeginDisabled(busy);
   if (model.spheres) draw_level(ui, *model.spheres, model.mesh != nullptr, model.posing != nullptr);
   if (model.mesh && model.spheres) draw_shown(ui, model);
@@ -122,6 +119,7 @@ void draw_sphere_panel(Ui& ui) {
     explain("Builds a hierarchy that joins like regions together; one slider moves both");
   }
   ImGui::EndDisabled();
+  ImGui::PopID();
 }
 
 }  // namespace armature::viewer
