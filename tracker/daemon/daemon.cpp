@@ -138,15 +138,19 @@ void Daemon::State::compare_background(const Intrinsics& image) {
                   config.background, empty->width, empty->height, image.width, image.height));
 }
 
-void Daemon::State::track(const DepthFrame& frame) {
+bool Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
   if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);
-    say(wire::EventKind::Warning, fmt::format("{}: {}; the camera is stopped", config.source, complaint));
-    last_frame = options.clock->now();
-    return;
+    if (refused_for == nullptr) {
+      refused_for = complaint;
+      if (!silent)
+        say(wire::EventKind::Warning, fmt::format("{}: {}; the camera is stopped", config.source, complaint));
+    }
+    return false;
   }
+  refused_for = nullptr;
   compare_background(frame.intrinsics);
   const TrackerOutput& output = pipeline->process(frame.view());
   fill_message(navigation, output, pipeline->navigation_options().pair);
@@ -185,6 +189,7 @@ void Daemon::State::track(const DepthFrame& frame) {
     say(event_message(event, output.navigation));
   }
   metrics.source_alive.store(true, std::memory_order_relaxed);
+  return true;
 }
 
 void Daemon::State::note_state(EngagementState state) {
@@ -206,13 +211,12 @@ void Daemon::State::show_light() {
 
 void Daemon::State::cycle() {
   const DepthFrame* frame = capture.next(kCycle);
-  if (frame != nullptr) track(*frame);
-  watch_source(frame != nullptr);
+  watch_source(frame != nullptr && track(*frame));
   serve_between_frames();
   service.cycle_done(options.clock->now());
 }
 
-void Daemon::State::watch_source(bool frame_came) {
+void Daemon::State::watch_source(bool good_frame) {
   const SourceHealth source = capture.health();
   metrics.restarts.store(source.restarts, std::memory_order_relaxed);
   metrics.dropped.store(capture.dropped(), std::memory_order_relaxed);
@@ -221,11 +225,15 @@ void Daemon::State::watch_source(bool frame_came) {
     torn_on_the_way = source.bad_frames;
     stop_camera(wire::StopReason::SourceFailed);
   }
-  if (frame_came) return;
+  if (good_frame) return;
+  const std::string known = !source.trouble.empty() ? source.trouble
+                            : refused_for != nullptr
+                                ? fmt::format("{} sends no good frames: {}", config.source, refused_for)
+                                : "";
   if (silent) {
     // Why, as far as is known by now: at first it is only that nothing comes.
-    if (source.trouble.empty() || source.trouble == trouble) return;
-    trouble = source.trouble;
+    if (known.empty() || known == trouble) return;
+    trouble = known;
     show_state();
     say(wire::EventKind::Warning, trouble);
     return;
@@ -233,8 +241,7 @@ void Daemon::State::watch_source(bool frame_came) {
   const auto unheard_of = options.clock->now() - last_frame;
   if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
   silent = true;
-  trouble = source.trouble.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms)
-                                   : source.trouble;
+  trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms) : known;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);

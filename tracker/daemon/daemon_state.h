@@ -38,9 +38,10 @@ struct Daemon::State {
   State& operator=(const State&) = delete;
 
   void cycle();
-  void track(const DepthFrame& frame);
+  /// Whether it was one to steer by.
+  bool track(const DepthFrame& frame);
   void compare_background(const Intrinsics& image);
-  void watch_source(bool frame_came);
+  void watch_source(bool good_frame);
   void note_state(EngagementState state);
   void show_state();  // to the service manager and by the light
   void show_light();  // of the sensor
@@ -66,12 +67,14 @@ struct Daemon::State {
   wire::NavigationMessage navigation;
   wire::SkeletonMessage skeleton;
   Latency latency;
-  std::chrono::nanoseconds started{0}, last_frame{0}, last_health{0};
+  std::chrono::nanoseconds started{0}, last_health{0};
+  std::chrono::nanoseconds last_frame{0};  // the last good one
   std::uint64_t processed = 0, processed_at_last_health = 0;
   float frames_per_second = 0;
   bool silent = false;
   std::string trouble;  // why, while it is silent
   FrameGuard guard;
+  const char* refused_for = nullptr;  // what was wrong with the first bad frame since the last good one
   bool said_background_misfits = false;
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;

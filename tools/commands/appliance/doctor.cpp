@@ -99,7 +99,7 @@ void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& 
   if (daemon.source_alive) {
     findings.good("daemon", fmt::format("{}, {:.1f} frames a second", what, daemon.frames_per_second));
   } else {
-    findings.bad("daemon", what + ", which sends nothing: " + daemon.source_trouble,
+    findings.bad("daemon", what + ", which sends no good frames: " + daemon.source_trouble,
                  "see the sensors above; `journalctl -u armatured` has the story");
   }
   if (options.site.source == daemon.source)
