@@ -49,7 +49,8 @@ Expected<T> as_ours(navproto::Expected<T>&& result) {
 
 Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   // One arena for all threads: with one a thread each keeps what any of them once needed, and over days of peers that
-  // come and go memory creeps up. Frames need no memory, so nobody waits for the arena's lock.
+  // come and go memory creeps up. All wait for its lock then, but shortly: a frame takes memory only where it is
+  // published, a few times, for what ZeroMQ sends.
   ::mallopt(M_ARENA_MAX, 1);
   const Config& config = options.config;
   if (config.source.empty() && !options.source)
@@ -183,7 +184,8 @@ bool Daemon::State::track(const DepthFrame& frame) {
   publisher.publish_skeleton(skeleton);
   feed->offer(frame.view(), output.user_of_pixel);
   for (const TrackerEvent& event : output.events) {
-    if (event.kind == TrackerEventKind::RestCaptured) rest_requested = false;
+    if (event.kind == TrackerEventKind::RestCaptured || event.kind == TrackerEventKind::UserLeft)
+      rest_requested = false;
     if (event.kind == TrackerEventKind::Engaged) metrics.engaged.fetch_add(1, std::memory_order_relaxed);
     if (event.kind == TrackerEventKind::Released) metrics.released.fetch_add(1, std::memory_order_relaxed);
     say(event_message(event, output.navigation));
@@ -257,7 +259,8 @@ void Daemon::State::serve_between_frames() {
 }
 
 void Daemon::State::stop_camera(wire::StopReason reason) {
-  fill_stop(navigation, reason);
+  const bool ends = reason == wire::StopReason::Exit || reason == wire::StopReason::EndOfStream;
+  fill_stop(navigation, silent && !ends ? wire::StopReason::SourceFailed : reason);
   if (publisher.publish_navigation(navigation) && options.published) options.published(navigation);
 }
 

@@ -46,12 +46,14 @@ struct Daemon::State {
   void show_state();  // to the service manager and by the light
   void show_light();  // of the sensor
   void serve_between_frames();
+  /// While the sensor is silent that stays the reason, until the end.
   void stop_camera(wire::StopReason reason);
   void publish_health();
   [[nodiscard]] wire::HealthMessage health() const;
   void say(wire::EventKind kind, const std::string& text);
   void say(wire::EventMessage message);
   Expected<void> reload();
+  Expected<void> take_config_file();
   Expected<void> save() const;
   wire::ControlReply answer(const wire::ControlRequest& request);
 
@@ -82,7 +84,7 @@ struct Daemon::State {
   LogLimit log_limit;
   Service service;
   std::unique_ptr<MetricsServer> metrics_server;  // last: it stops before what it reads goes
-  bool rest_requested = false;
+  bool rest_requested = false;                    // of the person who is there, who has not got it yet
 };
 
 }  // namespace armature

@@ -365,6 +365,32 @@ TEST_F(DaemonTest, StartsWithoutItsSensorAndSaysSo) {
   thread.join();
 }
 
+TEST_F(DaemonTest, WhileASensorIsSilentThatStaysTheReasonWhateverIsAskedFor) {
+  const auto file = directory_.path() / "kiosk.toml";
+  std::ofstream(file) << "[navigation]\nwalk = 'step'\n";
+  auto options = options_for("process:fakenect:" + (directory_.path() / "nothing").string());
+  options.config_file = file;
+  std::vector<navproto::StopReason> reasons;  // written by the daemon's thread, read when that is over
+  options.published = [&](const navproto::NavigationMessage& message) { reasons.push_back(message.stop_reason); };
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  navproto::NavSubscriber nav(endpoint_);
+  auto client = navproto::ControlClient::connect(endpoint_);
+  ASSERT_TRUE(client);
+  std::stop_source stop;
+  std::thread thread([&] { EXPECT_TRUE((*daemon)->run(stop.get_token())); });
+  EXPECT_TRUE(eventually(
+      [&] { return nav.navigation() && nav.navigation()->stop_reason == navproto::StopReason::SourceFailed; }));
+  for (const auto kind : {navproto::RequestKind::Rerest, navproto::RequestKind::Reload}) {
+    const auto reply = client->request({.kind = kind}, 5s);
+    EXPECT_TRUE(reply && reply->error.empty());
+  }
+  stop.request_stop();
+  thread.join();
+  using enum navproto::StopReason;
+  EXPECT_EQ(reasons, (std::vector{NoUser, SourceFailed, SourceFailed, SourceFailed, Exit}));
+}
+
 TEST_F(DaemonTest, ATcpEndpointNeedsKeysOrAnExplicitWord) {
   auto options = options_for("synth:stand?size=160x120");
   options.config.endpoint = "tcp://127.0.0.1:24710";
