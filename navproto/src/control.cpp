@@ -16,9 +16,6 @@ namespace armature::navproto {
 
 namespace {
 
-/// So many requests of a socket in a row and no more: whoever floods us does not keep the caller.
-constexpr int kMostAtATime = 8;
-
 /// Requests of a client that wait for us.
 constexpr int kQueue = 4;
 

@@ -15,6 +15,10 @@
 
 namespace armature::navproto {
 
+/// So many messages of a socket in a row and no more: whoever floods us does not keep the caller from other sockets, or
+/// from stopping.
+inline constexpr int kMostAtATime = 8;
+
 struct CloseContext {
   void operator()(void* context) const noexcept { zmq_ctx_term(context); }
 };

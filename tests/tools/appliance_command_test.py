@@ -157,16 +157,37 @@ class Status(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             os.chmod(folder, 0o755)
             endpoint = f"ipc://{folder}/nav"
-            daemon = subprocess.Popen([ARMATURED, "--source", "synth:stand?size=160x120", "--endpoint", endpoint, "--quiet"])
+            config = Path(folder, "kiosk.toml")
+            config.write_text(f"[source]\nuri = 'synth:stand?size=160x120'\n[publish]\nendpoint = '{endpoint}'\n"
+                              "[health]\nmetrics_port = 29465\n")
+            config.chmod(0o644)
+            daemon = subprocess.Popen([ARMATURED, "--config", config, "--quiet"])
+
+            def as_nobody(*words):
+                return subprocess.run([ARMATURE, *words], capture_output=True, text=True, timeout=60, user=65534,
+                                      group=65534, extra_groups=[])
+
             try:
-                while run("status", endpoint).returncode != 0:
+                answered = False
+                for _ in range(100):
+                    answered = run("status", endpoint).returncode == 0
+                    if answered or daemon.poll() is not None:
+                        break
                     time.sleep(0.1)
+                self.assertTrue(answered, f"the daemon's exit code: {daemon.poll()}")
                 for words in (["status", endpoint, "--timeout", "0.2"], ["listen", endpoint, "--plain", "--timeout", "30"]):
-                    asked = subprocess.run([ARMATURE, *words], capture_output=True, text=True, timeout=60, user=65534,
-                                           group=65534, extra_groups=[])
+                    asked = as_nobody(*words)
                     self.assertEqual(asked.returncode, 1)
                     self.assertIn("permission denied", asked.stderr)
                     self.assertIn("adduser", asked.stderr)
+                found = as_nobody("doctor", "--config", config, "--json")
+                findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
+                self.assertEqual(found.returncode, 1)
+                self.assertEqual(findings["daemon"]["kind"], "problem", findings)
+                self.assertIn("permission denied", findings["daemon"]["found"])
+                self.assertIn("adduser", findings["daemon"]["remedy"])
+                self.assertNotIn("port", findings, "it is the daemon's")
+                self.assertNotIn("endpoint", findings)
             finally:
                 daemon.terminate()
                 daemon.wait()

@@ -49,7 +49,8 @@ Expected<T> as_ours(navproto::Expected<T>&& result) {
 
 Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   // One arena for all threads: with one a thread each keeps what any of them once needed, and over days of peers that
-  // come and go memory creeps up. Frames need no memory, so nobody waits for the arena's lock.
+  // come and go memory creeps up. All wait for its lock then, but shortly: a frame takes memory only where it is
+  // published, a few times, for what ZeroMQ sends.
   ::mallopt(M_ARENA_MAX, 1);
   const Config& config = options.config;
   if (config.source.empty() && !options.source)
@@ -138,15 +139,19 @@ void Daemon::State::compare_background(const Intrinsics& image) {
                   config.background, empty->width, empty->height, image.width, image.height));
 }
 
-void Daemon::State::track(const DepthFrame& frame) {
+bool Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
   if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);
-    say(wire::EventKind::Warning, fmt::format("{}: {}; the camera is stopped", config.source, complaint));
-    last_frame = options.clock->now();
-    return;
+    if (refused_for == nullptr) {
+      refused_for = complaint;
+      if (!silent)
+        say(wire::EventKind::Warning, fmt::format("{}: {}; the camera is stopped", config.source, complaint));
+    }
+    return false;
   }
+  refused_for = nullptr;
   compare_background(frame.intrinsics);
   const TrackerOutput& output = pipeline->process(frame.view());
   fill_message(navigation, output, pipeline->navigation_options().pair);
@@ -179,12 +184,14 @@ void Daemon::State::track(const DepthFrame& frame) {
   publisher.publish_skeleton(skeleton);
   feed->offer(frame.view(), output.user_of_pixel);
   for (const TrackerEvent& event : output.events) {
-    if (event.kind == TrackerEventKind::RestCaptured) rest_requested = false;
+    if (event.kind == TrackerEventKind::RestCaptured || event.kind == TrackerEventKind::UserLeft)
+      rest_requested = false;
     if (event.kind == TrackerEventKind::Engaged) metrics.engaged.fetch_add(1, std::memory_order_relaxed);
     if (event.kind == TrackerEventKind::Released) metrics.released.fetch_add(1, std::memory_order_relaxed);
     say(event_message(event, output.navigation));
   }
   metrics.source_alive.store(true, std::memory_order_relaxed);
+  return true;
 }
 
 void Daemon::State::note_state(EngagementState state) {
@@ -206,13 +213,12 @@ void Daemon::State::show_light() {
 
 void Daemon::State::cycle() {
   const DepthFrame* frame = capture.next(kCycle);
-  if (frame != nullptr) track(*frame);
-  watch_source(frame != nullptr);
+  watch_source(frame != nullptr && track(*frame));
   serve_between_frames();
   service.cycle_done(options.clock->now());
 }
 
-void Daemon::State::watch_source(bool frame_came) {
+void Daemon::State::watch_source(bool good_frame) {
   const SourceHealth source = capture.health();
   metrics.restarts.store(source.restarts, std::memory_order_relaxed);
   metrics.dropped.store(capture.dropped(), std::memory_order_relaxed);
@@ -221,11 +227,15 @@ void Daemon::State::watch_source(bool frame_came) {
     torn_on_the_way = source.bad_frames;
     stop_camera(wire::StopReason::SourceFailed);
   }
-  if (frame_came) return;
+  if (good_frame) return;
+  const std::string known = !source.trouble.empty() ? source.trouble
+                            : refused_for != nullptr
+                                ? fmt::format("{} sends no good frames: {}", config.source, refused_for)
+                                : "";
   if (silent) {
     // Why, as far as is known by now: at first it is only that nothing comes.
-    if (source.trouble.empty() || source.trouble == trouble) return;
-    trouble = source.trouble;
+    if (known.empty() || known == trouble) return;
+    trouble = known;
     show_state();
     say(wire::EventKind::Warning, trouble);
     return;
@@ -233,8 +243,7 @@ void Daemon::State::watch_source(bool frame_came) {
   const auto unheard_of = options.clock->now() - last_frame;
   if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
   silent = true;
-  trouble = source.trouble.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms)
-                                   : source.trouble;
+  trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms) : known;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
@@ -250,7 +259,8 @@ void Daemon::State::serve_between_frames() {
 }
 
 void Daemon::State::stop_camera(wire::StopReason reason) {
-  fill_stop(navigation, reason);
+  const bool ends = reason == wire::StopReason::Exit || reason == wire::StopReason::EndOfStream;
+  fill_stop(navigation, silent && !ends ? wire::StopReason::SourceFailed : reason);
   if (publisher.publish_navigation(navigation) && options.published) options.published(navigation);
 }
 

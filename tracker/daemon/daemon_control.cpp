@@ -40,6 +40,12 @@ Expected<std::shared_ptr<const Forest>> load_model(const Config& config) {
 Expected<void> Daemon::State::reload() {
   if (options.config_file.empty()) return fail("started without --config: there is nothing to reload");
   service.reloading();
+  auto done = take_config_file();
+  service.ready();
+  return done;
+}
+
+Expected<void> Daemon::State::take_config_file() {
   auto read = load_config(options.config_file);
   // What is refused at the start is refused here: who may connect, and who may change something.
   if (read) {
@@ -52,7 +58,6 @@ Expected<void> Daemon::State::reload() {
     else if (const auto uids = control_uids(*read); !uids)
       refuse(uids.error());
   }
-  service.ready();
   if (!read) {
     metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
     say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");
@@ -81,6 +86,7 @@ Expected<void> Daemon::State::reload() {
   config = std::move(*read);
   pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
   pipeline->reset(capture.info().intrinsics);
+  rest_requested = false;
   said_background_misfits = false;
   metrics.reloads.fetch_add(1, std::memory_order_relaxed);
   say(wire::EventKind::ConfigReloaded, note);
@@ -98,7 +104,7 @@ wire::ControlReply Daemon::State::answer(const wire::ControlRequest& request) {
     case wire::RequestKind::Status: break;
     case wire::RequestKind::Rerest:
       pipeline->capture_rest();
-      rest_requested = true;
+      rest_requested = navigation.user_id != 0;
       stop_camera(wire::StopReason::RestRequested);
       break;
     case wire::RequestKind::Set: {

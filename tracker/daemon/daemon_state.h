@@ -38,19 +38,22 @@ struct Daemon::State {
   State& operator=(const State&) = delete;
 
   void cycle();
-  void track(const DepthFrame& frame);
+  /// Whether it was one to steer by.
+  bool track(const DepthFrame& frame);
   void compare_background(const Intrinsics& image);
-  void watch_source(bool frame_came);
+  void watch_source(bool good_frame);
   void note_state(EngagementState state);
   void show_state();  // to the service manager and by the light
   void show_light();  // of the sensor
   void serve_between_frames();
+  /// While the sensor is silent that stays the reason, until the end.
   void stop_camera(wire::StopReason reason);
   void publish_health();
   [[nodiscard]] wire::HealthMessage health() const;
   void say(wire::EventKind kind, const std::string& text);
   void say(wire::EventMessage message);
   Expected<void> reload();
+  Expected<void> take_config_file();
   Expected<void> save() const;
   wire::ControlReply answer(const wire::ControlRequest& request);
 
@@ -66,12 +69,14 @@ struct Daemon::State {
   wire::NavigationMessage navigation;
   wire::SkeletonMessage skeleton;
   Latency latency;
-  std::chrono::nanoseconds started{0}, last_frame{0}, last_health{0};
+  std::chrono::nanoseconds started{0}, last_health{0};
+  std::chrono::nanoseconds last_frame{0};  // the last good one
   std::uint64_t processed = 0, processed_at_last_health = 0;
   float frames_per_second = 0;
   bool silent = false;
   std::string trouble;  // why, while it is silent
   FrameGuard guard;
+  const char* refused_for = nullptr;  // what was wrong with the first bad frame since the last good one
   bool said_background_misfits = false;
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;
@@ -79,7 +84,7 @@ struct Daemon::State {
   LogLimit log_limit;
   Service service;
   std::unique_ptr<MetricsServer> metrics_server;  // last: it stops before what it reads goes
-  bool rest_requested = false;
+  bool rest_requested = false;                    // of the person who is there, who has not got it yet
 };
 
 }  // namespace armature

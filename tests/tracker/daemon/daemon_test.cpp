@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -110,6 +111,81 @@ TEST_F(DaemonTest, SaysWhyASensorIsSilentShowsItAndLetsWhoSteeredGo) {
   EXPECT_EQ(shown->lights.front(), Ready);
   EXPECT_EQ(std::count(shown->lights.begin(), shown->lights.end(), Trouble), 2) << "and why, as it changed";
   EXPECT_EQ(shown->lights.back(), Off);
+}
+
+/// A sensor on an injected clock, which sends good frames until `spoilt` says so, and from then on 300 of garbage: all
+/// of 13 metres.
+class SensorOfGarbage final : public DepthSource {
+ public:
+  static constexpr int kGarbage = 300;
+
+  SensorOfGarbage(std::shared_ptr<ManualClock> clock, std::function<bool(int garbage_sent)> spoilt)
+      : clock_(std::move(clock)), spoilt_(std::move(spoilt)) {
+    info_.intrinsics = {64, 48, 60, 60, 32, 24};
+    info_.live = true;
+  }
+  [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds) override {
+    const bool garbage = spoilt_(garbage_);
+    if (garbage && ++garbage_ > kGarbage) return ReadStatus::EndOfStream;
+    if (!garbage) std::this_thread::sleep_for(1ms);
+    clock_->advance(33ms);
+    frame.intrinsics = info_.intrinsics;
+    frame.depth_mm.assign(64 * 48, garbage ? 13'000 : 3000);
+    frame.sensor.time = frame.host.time = clock_->now();
+    ++frame.sequence;
+    return ReadStatus::Frame;
+  }
+
+ private:
+  std::shared_ptr<ManualClock> clock_;
+  std::function<bool(int)> spoilt_;
+  int garbage_ = 0;
+  SourceInfo info_;
+};
+
+TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageIsLostAndThatIsSaidOnce) {
+  const auto clock = std::make_shared<ManualClock>();
+  navproto::NavSubscriber nav(endpoint_);
+  auto heard_last = navproto::StopReason::None;
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  options.published = [&](const navproto::NavigationMessage& message) { heard_last = message.stop_reason; };
+  options.source = std::make_unique<SensorOfGarbage>(clock, [&](int sent) {
+    EXPECT_TRUE(sent != 1 || heard_last == navproto::StopReason::SourceFailed) << "at once";
+    return sent > 0 || nav.health();
+  });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run({}));
+  std::vector<navproto::EventMessage> events;
+  EXPECT_TRUE(eventually([&] {
+    for (auto& event : nav.take_events()) events.push_back(std::move(event));
+    return !events.empty() && events.back().kind == navproto::EventKind::Stopping;
+  }));
+  const auto heard = [&](navproto::EventKind kind) {
+    return std::ranges::count(events, kind, &navproto::EventMessage::kind);
+  };
+  EXPECT_EQ(heard(navproto::EventKind::Warning), 1) << "at the first of them";
+  EXPECT_EQ(heard(navproto::EventKind::SourceLost), 1);
+  EXPECT_EQ(heard(navproto::EventKind::SourceRecovered), 0);
+  EXPECT_FALSE((*daemon)->metrics().source_alive.load());
+  EXPECT_EQ((*daemon)->metrics().bad_frames.load(), SensorOfGarbage::kGarbage);
+  EXPECT_FALSE(nav.health()->source_alive);
+  EXPECT_EQ(nav.health()->source_trouble, "a sensor sends no good frames: a garbage frame");
+}
+
+TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageFromTheFirstFrameOnIsLost) {
+  const auto clock = std::make_shared<ManualClock>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  options.source = std::make_unique<SensorOfGarbage>(clock, [](int) { return true; });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run({}));
+  EXPECT_FALSE((*daemon)->metrics().source_alive.load());
+  EXPECT_EQ((*daemon)->metrics().frames.load(), 0U);
+  EXPECT_EQ((*daemon)->metrics().stops.load(), 1U);
 }
 
 TEST_F(DaemonTest, ARecordedPersonSteersASubscriberAndEndsWithAZero) {
@@ -287,6 +363,32 @@ TEST_F(DaemonTest, StartsWithoutItsSensorAndSaysSo) {
   EXPECT_FALSE(nav.health()->source_alive);
   stop.request_stop();
   thread.join();
+}
+
+TEST_F(DaemonTest, WhileASensorIsSilentThatStaysTheReasonWhateverIsAskedFor) {
+  const auto file = directory_.path() / "kiosk.toml";
+  std::ofstream(file) << "[navigation]\nwalk = 'step'\n";
+  auto options = options_for("process:fakenect:" + (directory_.path() / "nothing").string());
+  options.config_file = file;
+  std::vector<navproto::StopReason> reasons;  // written by the daemon's thread, read when that is over
+  options.published = [&](const navproto::NavigationMessage& message) { reasons.push_back(message.stop_reason); };
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  navproto::NavSubscriber nav(endpoint_);
+  auto client = navproto::ControlClient::connect(endpoint_);
+  ASSERT_TRUE(client);
+  std::stop_source stop;
+  std::thread thread([&] { EXPECT_TRUE((*daemon)->run(stop.get_token())); });
+  EXPECT_TRUE(eventually(
+      [&] { return nav.navigation() && nav.navigation()->stop_reason == navproto::StopReason::SourceFailed; }));
+  for (const auto kind : {navproto::RequestKind::Rerest, navproto::RequestKind::Reload}) {
+    const auto reply = client->request({.kind = kind}, 5s);
+    EXPECT_TRUE(reply && reply->error.empty());
+  }
+  stop.request_stop();
+  thread.join();
+  using enum navproto::StopReason;
+  EXPECT_EQ(reasons, (std::vector{NoUser, SourceFailed, SourceFailed, SourceFailed, Exit}));
 }
 
 TEST_F(DaemonTest, ATcpEndpointNeedsKeysOrAnExplicitWord) {

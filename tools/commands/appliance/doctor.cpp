@@ -99,7 +99,7 @@ void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& 
   if (daemon.source_alive) {
     findings.good("daemon", fmt::format("{}, {:.1f} frames a second", what, daemon.frames_per_second));
   } else {
-    findings.bad("daemon", what + ", which sends nothing: " + daemon.source_trouble,
+    findings.bad("daemon", what + ", which sends no good frames: " + daemon.source_trouble,
                  "see the sensors above; `journalctl -u armatured` has the story");
   }
   if (options.site.source == daemon.source)
@@ -133,9 +133,15 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
   if (!control) findings.bad("control", control.error().message, "see control in `armatured --print-config`");
   if (const auto uids = control_uids(config); !uids)
     findings.bad("control", uids.error().message, "`id -u USER` tells a user's number");
-  // What the endpoint and the port are for is there already.
-  if (const auto daemon = control ? ask_daemon(*control) : std::nullopt)
-    return look_at_daemon(*daemon, options, findings);
+  if (control) {
+    const auto at = navproto::endpoints_of(*control);
+    if (at && !navproto::may_connect(at->control))
+      return findings.bad("daemon", at->control + ": permission denied: whether a daemon runs there cannot be told",
+                          "run `armature doctor` as root, or join the group of the socket (for the installed daemon: "
+                          "`adduser USER armature`, then log in anew)");
+    // What the endpoint and the port are for is there already.
+    if (const auto daemon = ask_daemon(*control)) return look_at_daemon(*daemon, options, findings);
+  }
   constexpr std::string_view kIpc = "ipc://";
   if (config.endpoint.starts_with(kIpc)) {
     auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
