@@ -124,7 +124,7 @@ struct FeedSubscriber::Impl {
     for (;;) {
       if (!poll(items, std::chrono::milliseconds(-1))) continue;
       if (items[0].revents != 0) return;
-      for (int taken = 0; taken < kMostAtATime && socket.receive(part); ++taken) {
+      for (int i = 0; i < kMostAtATime && socket.receive(part); ++i) {
         bytes.assign(part.bytes().begin(), part.bytes().end());
         {
           const std::lock_guard lock(mutex);

@@ -89,7 +89,7 @@ struct NavSubscriber::Impl {
       if (!poll(items, std::chrono::milliseconds(-1))) continue;
       if (items[0].revents != 0) return;
       for (Socket* socket : {&navigation_socket, &skeleton_socket, &events_socket}) {
-        for (int taken = 0; taken < kMostAtATime && socket->receive(part); ++taken) accept(part.bytes());
+        for (int i = 0; i < kMostAtATime && socket->receive(part); ++i) accept(part.bytes());
       }
     }
   }
