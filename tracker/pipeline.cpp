@@ -55,6 +55,10 @@ struct Pipeline::State {
   void say(TrackerEventKind kind, std::uint8_t user, MotionId motion = MotionId::RotateShoulders) noexcept {
     if (event_count < kMaxEvents) events[event_count++] = {kind, user, motion};
   }
+  void say_gone(std::uint8_t user, bool was_locked) noexcept {
+    if (was_locked) say(TrackerEventKind::Released, user);
+    if (user != 0) say(TrackerEventKind::UserLeft, user);
+  }
   void start_over() noexcept {
     navigator.start_over();
     joints.reset();
@@ -119,8 +123,7 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   const EngagementState last_state = s.engagement.state();
   const std::uint8_t visible_user = s.engagement.choose(segmentation.users, segmentation.up, time);
   if (s.engagement.user_changed()) {
-    if (was_locked) s.say(TrackerEventKind::Released, last_user);
-    if (last_user != 0) s.say(TrackerEventKind::UserLeft, last_user);
+    s.say_gone(last_user, was_locked);
     if (visible_user != 0) s.say(TrackerEventKind::UserEntered, visible_user);
     s.start_over();
   }
@@ -188,6 +191,15 @@ const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   out.user_of_pixel = segmentation.user_of_pixel;
   timer.done(StageId::Engagement);
   return out;
+}
+
+std::span<const TrackerEvent> Pipeline::release() noexcept {
+  State& s = *state_;
+  s.event_count = 0;
+  s.say_gone(s.engagement.user(), s.engagement.locked());
+  s.engagement.release();
+  s.start_over();
+  return {s.events.data(), s.event_count};
 }
 
 void Pipeline::capture_rest() noexcept {

@@ -85,6 +85,10 @@ class Pipeline {
   /// The result is valid until the next call.
   const TrackerOutput& process(DepthView frame) noexcept;
 
+  /// Lets whoever is there go, as a long gap between frames does: the next frame chooses anew. The background stays. What
+  /// is to be said of it is valid until the next call.
+  std::span<const TrackerEvent> release() noexcept;
+
   /// The active user's rest pose is captured anew.
   void capture_rest() noexcept;
 

@@ -141,6 +141,7 @@ Expected<FeedSubscriber> FeedSubscriber::connect(std::string_view endpoint, cons
   const auto endpoints = endpoints_of(endpoint);
   if (!endpoints) return tl::unexpected(endpoints.error());
   auto impl = std::make_unique<Impl>();
+  if (!impl->stop) return fail("no file descriptor is left to listen with; raise `ulimit -n`");
   impl->socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400);
   impl->socket.set(ZMQ_RCVHWM, kFeedQueue);
   impl->socket.set_max_bytes(kMaxFeedBytes);

@@ -59,6 +59,7 @@ struct NavSubscriber::Impl {
   Expected<void> connect_all(std::string_view endpoint) {
     const auto endpoints = endpoints_of(endpoint);
     if (!endpoints) return tl::unexpected(endpoints.error());
+    if (!stop) return fail("no file descriptor is left to listen with; raise `ulimit -n`");
     const auto open = [this](Socket& socket, const std::string& where, int queue) {
       socket.set(ZMQ_LINGER, 0).set(ZMQ_RECONNECT_IVL, 50).set(ZMQ_RECONNECT_IVL_MAX, 400).set(ZMQ_RCVHWM, queue);
       if (options.curve) identify(socket, *options.curve);

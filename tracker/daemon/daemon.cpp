@@ -183,20 +183,28 @@ bool Daemon::State::track(const DepthFrame& frame) {
   fill_message(skeleton, output);
   publisher.publish_skeleton(skeleton);
   feed->offer(frame.view(), output.user_of_pixel);
-  for (const TrackerEvent& event : output.events) {
-    if (event.kind == TrackerEventKind::RestCaptured || event.kind == TrackerEventKind::UserLeft)
-      rest_requested = false;
-    if (event.kind == TrackerEventKind::Engaged) metrics.engaged.fetch_add(1, std::memory_order_relaxed);
-    if (event.kind == TrackerEventKind::Released) metrics.released.fetch_add(1, std::memory_order_relaxed);
-    say(event_message(event, output.navigation));
-  }
+  for (const TrackerEvent& event : output.events) tell(event, output.navigation);
   metrics.source_alive.store(true, std::memory_order_relaxed);
   return true;
 }
 
+void Daemon::State::tell(const TrackerEvent& event, const Navigation& steering) {
+  if (event.kind == TrackerEventKind::RestCaptured || event.kind == TrackerEventKind::UserLeft) rest_requested = false;
+  if (event.kind == TrackerEventKind::Engaged) metrics.engaged.fetch_add(1, std::memory_order_relaxed);
+  if (event.kind == TrackerEventKind::Released) metrics.released.fetch_add(1, std::memory_order_relaxed);
+  say(event_message(event, steering));
+}
+
 void Daemon::State::note_state(EngagementState state) {
   metrics.engagement.store(static_cast<int>(state), std::memory_order_relaxed);
-  if (state != std::exchange(last_state, state)) show_light();
+  navigation.engagement = wire_engagement(state);
+  if (state != std::exchange(last_state, state) && !silent) show_light();
+}
+
+void Daemon::State::let_go() {
+  for (const TrackerEvent& event : pipeline->release()) tell(event, {});
+  navigation.user_id = 0;
+  note_state(EngagementState::Absent);
 }
 
 void Daemon::State::show_state() {
@@ -232,7 +240,12 @@ void Daemon::State::watch_source(bool good_frame) {
                             : refused_for != nullptr
                                 ? fmt::format("{} sends no good frames: {}", config.source, refused_for)
                                 : "";
+  const auto unheard_of = options.clock->now() - last_frame;
   if (silent) {
+    if (last_state != EngagementState::Absent && unheard_of > config.tracker.engagement.lost_timeout) {
+      let_go();
+      stop_camera(wire::StopReason::SourceFailed);
+    }
     // Why, as far as is known by now: at first it is only that nothing comes.
     if (known.empty() || known == trouble) return;
     trouble = known;
@@ -240,13 +253,13 @@ void Daemon::State::watch_source(bool good_frame) {
     say(wire::EventKind::Warning, trouble);
     return;
   }
-  const auto unheard_of = options.clock->now() - last_frame;
   if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
   silent = true;
   trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms) : known;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
+  if (last_state == EngagementState::Engaged) note_state(EngagementState::Lost);
   stop_camera(wire::StopReason::SourceFailed);
   show_state();
   say(wire::EventKind::SourceLost, trouble);
@@ -291,11 +304,11 @@ void Daemon::State::publish_health() {
                         std::chrono::duration<float>(now - last_health).count();
   }
   last_health = now;
-  metrics.resident_bytes.store(resident_bytes(), std::memory_order_relaxed);
   metrics.strangers.store(publisher.counters().strangers + feed->strangers(), std::memory_order_relaxed);
   metrics.control_refused.store(control.refused(), std::memory_order_relaxed);
   processed_at_last_health = processed;
   auto message = health();
+  metrics.resident_bytes.store(message.resident_bytes, std::memory_order_relaxed);
   publisher.publish_health(message);
 }
 

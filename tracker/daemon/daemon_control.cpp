@@ -72,6 +72,7 @@ Expected<void> Daemon::State::take_config_file() {
     }
     forest = std::move(*model);
   }
+  let_go();
   stop_camera(wire::StopReason::Reload);
   std::string note = options.config_file.string() + " is in force; whoever steers stands still for a new rest pose";
   const auto keep = [&](auto Config::*field) {
@@ -86,7 +87,6 @@ Expected<void> Daemon::State::take_config_file() {
   config = std::move(*read);
   pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
   pipeline->reset(capture.info().intrinsics);
-  rest_requested = false;
   said_background_misfits = false;
   metrics.reloads.fetch_add(1, std::memory_order_relaxed);
   say(wire::EventKind::ConfigReloaded, note);

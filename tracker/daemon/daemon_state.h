@@ -43,6 +43,9 @@ struct Daemon::State {
   void compare_background(const Intrinsics& image);
   void watch_source(bool good_frame);
   void note_state(EngagementState state);
+  void tell(const TrackerEvent& event, const Navigation& steering);
+  /// Whoever is there: nobody steers until somebody has stood still.
+  void let_go();
   void show_state();  // to the service manager and by the light
   void show_light();  // of the sensor
   void serve_between_frames();

@@ -92,6 +92,10 @@ TEST_F(DaemonTest, SaysWhyASensorIsSilentShowsItAndLetsWhoSteeredGo) {
   auto options = options_for("a sensor", true);
   options.clock = clock;
   options.source = std::make_unique<SensorWithAGap>(clock, 100, shown);
+  std::vector<navproto::Engagement> while_silent;
+  options.published = [&](const navproto::NavigationMessage& message) {
+    if (message.stop_reason == navproto::StopReason::SourceFailed) while_silent.push_back(message.engagement);
+  };
   auto daemon = Daemon::create(std::move(options));
   ASSERT_TRUE(daemon) << daemon.error().message;
   navproto::NavSubscriber nav(endpoint_);
@@ -107,6 +111,7 @@ TEST_F(DaemonTest, SaysWhyASensorIsSilentShowsItAndLetsWhoSteeredGo) {
   EXPECT_EQ(heard("frames come again"), 1);
   EXPECT_EQ((*daemon)->metrics().engaged.load(), 2U);
   EXPECT_EQ((*daemon)->metrics().released.load(), 1U) << "ten seconds are longer than two";
+  EXPECT_EQ(while_silent, (std::vector{navproto::Engagement::Suspended, navproto::Engagement::NoUser}));
   using enum StatusLight;
   EXPECT_EQ(shown->lights.front(), Ready);
   EXPECT_EQ(std::count(shown->lights.begin(), shown->lights.end(), Trouble), 2) << "and why, as it changed";
@@ -389,6 +394,26 @@ TEST_F(DaemonTest, WhileASensorIsSilentThatStaysTheReasonWhateverIsAskedFor) {
   thread.join();
   using enum navproto::StopReason;
   EXPECT_EQ(reasons, (std::vector{NoUser, SourceFailed, SourceFailed, SourceFailed, Exit}));
+}
+
+TEST_F(DaemonTest, LetsWhoSteersGoWhenItsConfigurationChanges) {
+  const auto file = directory_.path() / "kiosk.toml";
+  std::ofstream(file) << "[navigation]\nwalk = 'step'\n";
+  auto options = options_for("synth:bend_knees?size=320x240&seed=11", true);
+  options.config_file = file;
+  Daemon* running = nullptr;
+  std::vector<navproto::Engagement> at_reload;
+  options.published = [&](const navproto::NavigationMessage& message) {
+    if (message.engagement == navproto::Engagement::Engaged && at_reload.empty()) running->request_reload();
+    if (message.stop_reason == navproto::StopReason::Reload) at_reload.push_back(message.engagement);
+  };
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  running = daemon->get();
+  ASSERT_TRUE(running->run({}));
+  EXPECT_EQ(at_reload, std::vector{navproto::Engagement::NoUser});
+  EXPECT_EQ(running->metrics().released.load(), 1U);
+  EXPECT_EQ(running->metrics().engaged.load(), 2U) << "she stood still again";
 }
 
 TEST_F(DaemonTest, ATcpEndpointNeedsKeysOrAnExplicitWord) {

@@ -59,7 +59,7 @@ std::optional<Eigen::Vector3f> up_by_gravity(std::string_view source) {
 
 /// How far a sensor that feels or sees `up` so looks down, degrees.
 float tilt_deg(const Eigen::Vector3f& up) {
-  return std::atan2(-up.z(), -up.y()) * kDegrees;
+  return std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * kDegrees;
 }
 
 std::string looks(float degrees) {
@@ -130,7 +130,7 @@ void look_at_site(const SiteOptions& options, Findings& findings) {
                                     degrees_between(*by_gravity, up)),
                         "a ramp or a table is taken for the floor: clear it, or tilt the sensor until the floor is in "
                         "view");
-  const float tilt = std::asin(std::clamp(-up.z(), -1.0F, 1.0F)) * kDegrees;
+  const float tilt = tilt_deg(up);
   const float roll = std::atan2(up.x(), -up.y()) * kDegrees;
   const std::string stands =
       fmt::format("{:.2f} m above the floor, {}, rolled by {:.0f}", floor.offset, looks(tilt), std::abs(roll));
