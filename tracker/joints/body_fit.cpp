@@ -37,24 +37,24 @@ constexpr bool of_trunk(PartLabel part) noexcept {
 
 /// Pairs of joints that keep their distance: bones, and what holds the trunk together.
 struct Length {
-  std::size_t from, to;
+  std::array<std::size_t, 2> ends;
   float error_m;
 };
 constexpr float kBone_m = 0.02F, kTrunk_m = 0.04F;
 constexpr std::array<Length, 13> kLength = {{
-    {BodyFit::LeftHip, BodyFit::LeftKnee, kBone_m},
-    {BodyFit::RightHip, BodyFit::RightKnee, kBone_m},
-    {BodyFit::LeftKnee, BodyFit::LeftAnkle, kBone_m},
-    {BodyFit::RightKnee, BodyFit::RightAnkle, kBone_m},
-    {BodyFit::LeftShoulder, BodyFit::RightShoulder, kTrunk_m},
-    {BodyFit::LeftHip, BodyFit::RightHip, kTrunk_m},
-    {BodyFit::Neck, BodyFit::LeftShoulder, kTrunk_m},
-    {BodyFit::Neck, BodyFit::RightShoulder, kTrunk_m},
-    {BodyFit::Waist, BodyFit::LeftHip, kTrunk_m},
-    {BodyFit::Waist, BodyFit::RightHip, kTrunk_m},
-    {BodyFit::LeftShoulder, BodyFit::LeftHip, kTrunk_m},
-    {BodyFit::RightShoulder, BodyFit::RightHip, kTrunk_m},
-    {BodyFit::Neck, BodyFit::Waist, kTrunk_m},
+    {{BodyFit::LeftHip, BodyFit::LeftKnee}, kBone_m},
+    {{BodyFit::RightHip, BodyFit::RightKnee}, kBone_m},
+    {{BodyFit::LeftKnee, BodyFit::LeftAnkle}, kBone_m},
+    {{BodyFit::RightKnee, BodyFit::RightAnkle}, kBone_m},
+    {{BodyFit::LeftShoulder, BodyFit::RightShoulder}, kTrunk_m},
+    {{BodyFit::LeftHip, BodyFit::RightHip}, kTrunk_m},
+    {{BodyFit::Neck, BodyFit::LeftShoulder}, kTrunk_m},
+    {{BodyFit::Neck, BodyFit::RightShoulder}, kTrunk_m},
+    {{BodyFit::Waist, BodyFit::LeftHip}, kTrunk_m},
+    {{BodyFit::Waist, BodyFit::RightHip}, kTrunk_m},
+    {{BodyFit::LeftShoulder, BodyFit::LeftHip}, kTrunk_m},
+    {{BodyFit::RightShoulder, BodyFit::RightHip}, kTrunk_m},
+    {{BodyFit::Neck, BodyFit::Waist}, kTrunk_m},
 }};
 
 /// Joints that go along with the mean of some that are moved.
@@ -299,11 +299,15 @@ void BodyFit::learn(const PartVotes& votes, const Skeleton& skeleton) noexcept {
   ++frames_;
   const Points joints = points_of(skeleton);
   for (std::size_t l = 0; l < kLengths; ++l) {
+    const auto& ends = kLength[l].ends;
     lengths_m_[l].age();
-    lengths_m_[l].add((joints[kLength[l].to] - joints[kLength[l].from]).norm());
+    if (!lost(skeleton, ends)) lengths_m_[l].add((joints[ends[1]] - joints[ends[0]]).norm());
   }
-  for (std::size_t l = 0; l < kLimbs; ++l) limbs_[l].learn(Bone(joints, kLimb[l].ends), seen_.limbs[l]);
-  trunk_.learn(Patch(joints, kCorners), seen_.trunk);
+  for (std::size_t l = 0; l < kLimbs; ++l) {
+    const auto& ends = kLimb[l].ends;
+    if (!lost(skeleton, ends)) limbs_[l].learn(Bone(joints, ends), seen_.limbs[l]);
+  }
+  if (!lost(skeleton, kCorners)) trunk_.learn(Patch(joints, kCorners), seen_.trunk);
 }
 
 /// Pixels should lie on the surface; they count as much as `worth` of them where as many are seen as at rest.
@@ -336,10 +340,11 @@ void BodyFit::apply(const PartVotes& votes, Skeleton& skeleton) noexcept {
       }
     }
     for (std::size_t l = 0; l < kLengths; ++l) {
-      const auto& [from, to, error_m] = kLength[l];
-      const Vector3f between = joints[to] - joints[from];
+      const auto& [ends, error_m] = kLength[l];
+      if (lost(skeleton, ends) || lengths_m_[l].weight == 0) continue;
+      const Vector3f between = joints[ends[1]] - joints[ends[0]];
       const float length = std::max(between.norm(), 1e-6F);
-      equations.add<2>({from, to}, {-1, 1}, between / length, lengths_m_[l].value() - length, 1 / (error_m * error_m));
+      equations.add<2>(ends, {-1, 1}, between / length, lengths_m_[l].value() - length, 1 / (error_m * error_m));
     }
     for (std::size_t l = 0; l < kLimbs; ++l) {
       const auto& ends = kLimb[l].ends;

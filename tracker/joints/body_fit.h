@@ -67,7 +67,7 @@ class BodyFit {
       sum += value;
       weight += 1;
     }
-    [[nodiscard]] float value() const noexcept { return sum / weight; }
+    [[nodiscard]] float value() const noexcept { return weight > 0 ? sum / weight : 0; }
   };
   /// How far pixels of a part lie off its joints at rest, by place.
   template <std::size_t n>

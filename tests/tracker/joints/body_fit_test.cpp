@@ -177,6 +177,17 @@ TEST(BodyFit, LeavesLostJointsAndThosePeopleWhomItDoesNotKnow) {
   EXPECT_EQ(worst(stranger, said.skeleton()), 0);
 }
 
+TEST(BodyFit, IsNotHeldByWhatIsLost) {
+  BodyFit fit = learned();
+  const Doll doll;
+  Skeleton skeleton = doll.skeleton();
+  skeleton[LeftAnkle].state = JointState::Lost;
+  skeleton[LeftAnkle].position += Vector3f(0.5F, 0, 0);
+  const Vector3f knee = skeleton[LeftKnee].position;
+  fit.apply(doll.seen().votes(), skeleton);
+  EXPECT_LT((skeleton[LeftKnee].position - knee).norm(), 0.003F);
+}
+
 TEST(BodyFit, StaysFiniteWhereNothingIsSeenOrAllJointsAreOne) {
   BodyFit fit = learned();
   Skeleton skeleton = Doll{}.skeleton();
