@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "tracker/joints/body_fit.h"
 #include "tracker/joints/joint_correction.h"
 #include "tracker/joints/vote_cloud.h"
 
@@ -79,6 +80,7 @@ struct JointEstimator::State {
   Skeleton last;                          // before its correction
   bool has_last = false;
   RestingBody resting;
+  BodyFit fit;
   bool keeps_build = false;
 
   void collect(const PartVotes& votes) noexcept;
@@ -149,6 +151,7 @@ void JointEstimator::reset() noexcept {
   state_->has_last = false;
   state_->unseen = {};
   state_->resting = {};
+  state_->fit.reset();
   state_->keeps_build = false;
 }
 
@@ -208,6 +211,8 @@ void JointEstimator::estimate(const PartVotes& votes, Skeleton& out) noexcept {
   s.has_last = true;
   if (!s.keeps_build || !s.resting.settled()) s.resting.add(out);
   s.correction.apply(out, s.resting);
+  if (!s.keeps_build || !s.fit.settled()) s.fit.learn(votes, out);
+  s.fit.apply(votes, out);
 }
 
 }  // namespace armature

@@ -97,40 +97,40 @@ TEST(JointEstimator, AJointThatIsHiddenMovesAlongWithItsNeighbourUntilItIsLost) 
 }
 
 TEST(JointEstimator, TheBuildFollowsUntilItIsKept) {
-  // One leaf votes for both hips; the correction moves the head up by their width at rest.
+  // Leaves vote for head and hips; the correction moves the head, which nothing else moves, up by their width at rest.
   constexpr std::size_t kHipsAtRest = 4 * kJointCount + 2 + 3 * index(JointId::RightHip);  // from right to left, x
-  Leaf left, right;
+  Leaf head, left, right;
+  head.votes[0].joint = static_cast<std::uint8_t>(index(JointId::Head));
   left.votes[0].joint = static_cast<std::uint8_t>(index(JointId::LeftHip));
   right.votes[0].joint = static_cast<std::uint8_t>(index(JointId::RightHip));
   PerceptronLayer layer{.inputs = kCorrectionInputs,
                         .outputs = kCorrectionOutputs,
                         .weights = std::vector<float>(std::size_t{kCorrectionInputs} * kCorrectionOutputs),
                         .bias = std::vector<float>(kCorrectionOutputs)};
-  layer.weights[kHipsAtRest * kCorrectionOutputs + 3 * index(JointId::LeftHip) + 1] = -1;
-  layer.weights[kHipsAtRest * kCorrectionOutputs + 3 * index(JointId::RightHip) + 1] = -1;
+  layer.weights[kHipsAtRest * kCorrectionOutputs + 3 * index(JointId::Head) + 1] = -1;
   Tree stump;
   stump.leaves.resize(1);
   JointEstimator estimator(std::make_shared<const Forest>(
       *Forest::create({stump}, "")->corrected_by(*Perceptron::create({std::move(layer)}))));
-  const auto lowered = [&](float half_width) {
-    const auto pixel = [](const Leaf& leaf, float x) {
-      return ClassifiedPixel{.point = {x, 0.2F, 2}, .area_m2 = 0.01F, .leaves = {&leaf}};
+  const auto raised = [&](float half_width) {
+    const auto pixel = [](const Leaf& leaf, float x, float y) {
+      return ClassifiedPixel{.point = {x, y, 2}, .area_m2 = 0.01F, .leaves = {&leaf}};
     };
-    const std::array both = {pixel(left, half_width), pixel(right, -half_width)};
+    const std::array all = {pixel(head, 0, -0.5F), pixel(left, half_width, 0.2F), pixel(right, -half_width, 0.2F)};
     Skeleton skeleton;
-    estimator.estimate({both}, skeleton);
-    EXPECT_NEAR(estimator.voted()[JointId::LeftHip].position.y(), 0.2F, 1e-4) << "as it was before";
-    return 0.2F - skeleton[JointId::LeftHip].position.y();
+    estimator.estimate({all}, skeleton);
+    EXPECT_NEAR(estimator.voted()[JointId::Head].position.y(), -0.5F, 1e-4) << "as it was before";
+    return -0.5F - skeleton[JointId::Head].position.y();
   };
-  EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);
-  EXPECT_NEAR(lowered(0.20F), 0.30F, 1e-4);  // the mean of both
+  EXPECT_NEAR(raised(0.10F), 0.20F, 1e-4);
+  EXPECT_NEAR(raised(0.20F), 0.30F, 1e-4);  // the mean of both
   estimator.keep_build(true);
-  EXPECT_NEAR(lowered(0.60F), 0.60F, 1e-4) << "two frames are too few to be kept";
-  for (int frame = 3; frame < 15; ++frame) (void)lowered(0.30F);
-  const float kept = lowered(0.30F);
-  EXPECT_NEAR(lowered(0.10F), kept, 1e-4);
+  EXPECT_NEAR(raised(0.60F), 0.60F, 1e-4) << "two frames are too few to be kept";
+  for (int frame = 3; frame < 15; ++frame) (void)raised(0.30F);
+  const float kept = raised(0.30F);
+  EXPECT_NEAR(raised(0.10F), kept, 1e-4);
   estimator.reset();
-  EXPECT_NEAR(lowered(0.10F), 0.20F, 1e-4);  // somebody else
+  EXPECT_NEAR(raised(0.10F), 0.20F, 1e-4);  // somebody else
 }
 
 TEST(JointEstimator, AJointStaysWhereItWasForAFewVotesMore) {
