@@ -26,8 +26,9 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     facts["triangles"] = std::to_string(shape.triangles.size());
     if (!model.spheres->unmeasured.empty()) facts["unmeasured"] = model.spheres->unmeasured;
     if (const auto& errors = model.spheres->errors) {
-      facts["hausdorff_percent"] = fmt::format("{:.4f}", errors->hausdorff);
-      facts["mean_percent"] = fmt::format("{:.4f}", errors->mean_input_to_approximation);
+      facts["measured"] = errors->about ? "quickly" : "in full";
+      facts["hausdorff_percent"] = fmt::format("{:.4g}", errors->hausdorff);
+      facts["mean_percent"] = fmt::format("{:.4g}", errors->mean_input_to_approximation);
     }
   }
   if (model.posing) {

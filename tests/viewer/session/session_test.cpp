@@ -106,6 +106,36 @@ TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
   EXPECT_EQ(session.report()["unmeasured"], why);
 }
 
+TEST(Errors, AreThoseOfTheLevelThatStandsInTheEnd) {
+  Session session;
+  auto model = std::make_shared<Model>();
+  sdk::Mesh square{.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {}};
+  square.triangles = {{sdk::VertexId(0), sdk::VertexId(1), sdk::VertexId(2)},
+                      {sdk::VertexId(0), sdk::VertexId(2), sdk::VertexId(3)}};
+  model->mesh = std::make_shared<const MeshShape>(square);
+  const auto ball = [](double radius) {
+    sdk::SphereMesh shape;
+    shape.spheres = {{{0.5, 0.5, 0}, radius}};
+    return shape;
+  };
+  model->set_spheres(ball(0.1));
+  session.add(model);
+  for (int i = 0; i < 3; ++i) session.update(session.now + 200ms);  // the first is being measured
+  model->set_spheres(ball(0.4));
+  const auto measured = [&](bool about) {
+    for (int i = 0; i < 30'000 && !(model->spheres->errors && model->spheres->errors->about == about); ++i) {
+      session.update(session.now + 200ms);
+      std::this_thread::sleep_for(1ms);
+    }
+    return model->spheres->errors;
+  };
+  const auto quick = measured(true), full = measured(false);
+  ASSERT_TRUE(quick && full);
+  EXPECT_NEAR(full->hausdorff, 100 * 0.4 / std::sqrt(2), 0.01) << "of the last one, at its top";
+  EXPECT_LE(quick->hausdorff, full->hausdorff);
+  EXPECT_NEAR(quick->mean_input_to_approximation / full->mean_input_to_approximation, 1, 0.02);
+}
+
 TEST(Models, ThatAreClosedGo) {
   Session session;
   auto model = std::make_shared<Model>();

@@ -1,4 +1,5 @@
 // How shapes look, and their sphere-meshes.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -50,6 +51,14 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
+/// With two digits that count, however small.
+std::string percent(double value) {
+  constexpr double kLeast = 1e-6;
+  if (value < kLeast) return fmt::format("under {:.6f}", kLeast);
+  const int before = static_cast<int>(std::floor(std::log10(value)));
+  return fmt::format("{:.{}f}", value, std::max(2, 1 - before));
+}
+
 void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   LevelSlide& slide = ui.slide;
   if (spheres.hierarchy) {
@@ -73,15 +82,18 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
                       spheres.shape.triangles.size());
   if (!has_mesh || posed) return;
   if (spheres.errors) {
-    ImGui::Text("Error: mean %.2f %%, largest %.2f %%", spheres.errors->mean_input_to_approximation,
-                spheres.errors->hausdorff);
+    const LevelErrors& errors = *spheres.errors;
+    ImGui::TextWrapped("Error: mean %s%s %%, largest %s%s %%", errors.about ? "about " : "",
+                       percent(errors.mean_input_to_approximation).c_str(), errors.about ? "at least " : "",
+                       percent(errors.hausdorff).c_str());
   } else if (spheres.unmeasured.empty()) {
     ImGui::TextDisabled("Error: being measured");
   } else {
     ImGui::TextDisabled("Error: cannot be measured");
   }
-  explain(!spheres.unmeasured.empty()
-              ? spheres.unmeasured.c_str()
+  if (!spheres.unmeasured.empty()) return explain(spheres.unmeasured.c_str());
+  explain(spheres.errors && spheres.errors->about
+              ? "Distance from the mesh to the sphere-mesh at some thousand points, of the diagonal of its bounding box"
               : "Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
 }
 
