@@ -46,6 +46,11 @@ void Session::tell(std::string text, bool error) {
   notice_since = now;
 }
 
+void Session::tell_failure(const Origin& of, const std::string& why) {
+  tell(why, true);
+  if (!of.may_fail && !failure) failure = of.place + why;
+}
+
 /// What failed is old news once something else has been done; to look at it from elsewhere is not that.
 void Session::forget_error(std::string_view command) {
   if (notice_is_error && !replaces_itself(command)) tell("");
@@ -53,8 +58,7 @@ void Session::forget_error(std::string_view command) {
 
 sdk::Expected<void> Session::execute(std::string_view line) {
   const auto fails = [&](const std::string& why) -> sdk::Expected<void> {
-    tell(why, true);
-    failed = !forgiving;
+    tell_failure(origin, why);
     return sdk::fail(why);
   };
   auto words = split_words(line);
@@ -72,6 +76,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   if (auto done = command->run(*this, arguments); !done) return fails(name + ": " + done.error().message);
   if (job.running() && !was_running) {
     pending_line_ = line_;
+    pending_origin_ = origin;
     pending_at_ = log_.size();
     return {};
   }
@@ -100,8 +105,7 @@ void Session::take_job() {
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
     tell(job.title() + " was cancelled; everything is as it was");
   } else {
-    tell(done->error().message, true);
-    failed = !forgiving;
+    tell_failure(pending_origin_, done->error().message);
   }
 }
 

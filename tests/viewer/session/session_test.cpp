@@ -171,6 +171,15 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   std::ofstream(file) << "# a script\ntool hammer\n";
   EXPECT_EQ(failure(Script({"open nothing.off"})).find("nothing.off"), 0U);
   EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: tool"), 0U);
+  // What a line begins belongs to it, whatever is done meanwhile.
+  std::ofstream(file) << "mode walk\nopen nothing.off\nmeanwhile mode shapes\nmeanwhile try tool hammer\n\nmode walk\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: nothing.off"), 0U);
+  std::ofstream(file)
+      << "try open nothing.off\nmeanwhile mode shapes\ntry wait 0.01 models 7\nmeanwhile mode walk\nfit\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))), "");
+  std::ofstream(file) << "wait 0.01 models 7\nmode walk\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 1: wait"), 0U);
+  std::ofstream(file) << "# a script\ntool hammer\n";
   Script both({"try open nothing.off", "mode walk"});
   both.append(*Script::read(file));
   EXPECT_EQ(failure(both).find(file + ", line 2: tool"), 0U);
