@@ -96,6 +96,7 @@ void Session::start(std::string title, Job::Work work, bool whole) {
 void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
+  job_undone = !*done;
   if (*done) {
     const std::string_view name = first_word(pending_line_);
     forget_error(name);

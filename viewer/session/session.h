@@ -133,6 +133,7 @@ class Session {
   Walk walk;
 
   Job job;
+  bool job_undone = false;                ///< the last one that ended was cancelled or has failed
   Job preparing;                          ///< what the tool in hand will need; nothing waits for it
   std::function<bool()> waiting;          ///< a script waits until it is true
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
