@@ -107,6 +107,7 @@ std::map<std::string, std::string> Session::report() const {
     facts["frame.longest_work_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_work.count()));
   }
   facts["notice"] = notice;
+  facts["failures"] = std::to_string(failures);
   facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
   facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);
   facts["camera.distance"] = fmt::format("{:.6g}", camera.distance);

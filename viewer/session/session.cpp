@@ -48,6 +48,7 @@ void Session::tell(std::string text, bool error) {
 
 void Session::tell_failure(const Origin& of, const std::string& why) {
   tell(why, true);
+  ++failures;
   if (!of.may_fail && !failure) failure = of.place + why;
 }
 

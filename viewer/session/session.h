@@ -143,6 +143,7 @@ class Session {
   Origin origin;         ///< of the line that is carried out next
   /// What of all that may not has failed first, a line or its work or an expectation, after its place.
   std::optional<std::string> failure;
+  std::size_t failures = 0;  ///< how many lines have failed, those that may as well
   bool quit = false;
   ///@{
   /// The longest that a window took for a frame, waiting aside, since that was last told: by the clock, and in
