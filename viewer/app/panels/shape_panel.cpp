@@ -51,6 +51,10 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
+std::string counted(std::size_t number, const char* thing) {
+  return fmt::format("{} {}{}", number, thing, number == 1 ? "" : "s");
+}
+
 /// With two digits that count, however small.
 std::string percent(double value) {
   constexpr double kLeast = 1e-6;
@@ -78,8 +82,10 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
       ui.issue("level {}", slide.wanted);
     }
   }
-  ImGui::TextDisabled("%zu spheres, %zu edges, %zu triangles", spheres.shape.spheres.size(), spheres.shape.edges.size(),
-                      spheres.shape.triangles.size());
+  const sdk::SphereMesh& shape = spheres.shape;
+  const std::string parts = counted(shape.edges.size(), "edge") + ", " + counted(shape.triangles.size(), "triangle");
+  // The slider says how many spheres there are.
+  hint((spheres.hierarchy ? parts : counted(shape.spheres.size(), "sphere") + ", " + parts).c_str());
   if (!has_mesh || posed) return;
   if (spheres.errors) {
     const LevelErrors& errors = *spheres.errors;
