@@ -88,14 +88,15 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   hint((spheres.hierarchy ? parts : counted(shape.spheres.size(), "sphere") + ", " + parts).c_str());
   if (!has_mesh || posed) return;
   if (spheres.errors) {
+    // Two lines always, so that nothing below moves.
     const LevelErrors& errors = *spheres.errors;
-    ImGui::TextWrapped("Error: mean %s%s %%, largest %s%s %%", errors.about ? "about " : "",
-                       percent(errors.mean_input_to_approximation).c_str(), errors.about ? "at least " : "",
-                       percent(errors.hausdorff).c_str());
+    ImGui::Text("Error: mean %s%s %%\nlargest %s%s %%", errors.about ? "about " : "",
+                percent(errors.mean_input_to_approximation).c_str(), errors.about ? "at least " : "",
+                percent(errors.hausdorff).c_str());
   } else if (spheres.unmeasured.empty()) {
-    ImGui::TextDisabled("Error: being measured");
+    ImGui::TextDisabled("Error: being measured\n ");
   } else {
-    ImGui::TextDisabled("Error: cannot be measured");
+    ImGui::TextDisabled("Error: cannot be measured\n ");
   }
   if (!spheres.unmeasured.empty()) return explain(spheres.unmeasured.c_str());
   explain(spheres.errors && spheres.errors->about
