@@ -109,7 +109,9 @@ std::pair<Mesh, SphereMesh> waves_and_level(std::size_t spheres) {
 }
 
 TEST(Measure, WhatIsMeasuredQuicklyHasTheSameMeansAndNoLargerDistance) {
-  for (const std::size_t spheres : {40U, 900U}) {
+  // At fine levels walls are thin, and what is within must not be taken for outer surface: the full measure was 9.1 %
+  // where 0.12 % is right.
+  for (const std::size_t spheres : {40U, 500U, 850U}) {
     const auto [mesh, shape] = waves_and_level(spheres);
     const auto quick = measure(mesh, shape, {.samples = 10000, .quick = true});
     const auto same = measure(mesh, shape, {.samples = 10000}), finer = measure(mesh, shape, {.samples = 40000});
