@@ -54,10 +54,15 @@ DeformationSession::DeformationSession(const Hierarchy& hierarchy, HeatDiffusion
       level_({.columns = {}, .totals = std::vector<double>(mesh.positions.size(), 1.0)}, {}, mesh),
       positions_(mesh.positions) {}
 
-Expected<void> DeformationSession::go_to(std::size_t spheres) {
+Expected<void> DeformationSession::check_level(std::size_t spheres) const {
   if (spheres < hierarchy_->min_spheres() || spheres > hierarchy_->leaf_count())
     return fail("expected " + std::to_string(hierarchy_->min_spheres()) + " to " +
                 std::to_string(hierarchy_->leaf_count()) + " spheres, found " + std::to_string(spheres));
+  return {};
+}
+
+Expected<void> DeformationSession::go_to(std::size_t spheres) {
+  if (auto checked = check_level(spheres); !checked) return checked;
   cancel();
   show_level(spheres);
   return {};

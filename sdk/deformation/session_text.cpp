@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <string>
+#include <utility>
 
 #include <armature/sdk/deformation/session.h>
 
@@ -78,13 +79,13 @@ Expected<std::vector<SphereId>> spheres_of(Words& words) {
   return spheres;
 }
 
-struct Line {
+struct ReadMove {
   SphereMove move;
   MoveOptions options = {};
 };
 
-Expected<Line> move_of(Words& words) {
-  Line line;
+Expected<ReadMove> move_of(Words& words) {
+  ReadMove line;
   auto spheres = spheres_of(words);
   if (!spheres) return tl::unexpected(spheres.error());
   line.move.spheres = std::move(*spheres);
@@ -145,8 +146,18 @@ std::string DeformationSession::text() const {
   return text;
 }
 
-Expected<void> DeformationSession::replay(std::string_view text, std::string_view name) {
-  std::size_t number = 0;
+struct DeformationSession::Line {
+  enum class Verb : std::uint8_t { Level, Move, Pin, Unpin };
+  std::size_t number = 0;  // in the text
+  Verb verb = Verb::Level;
+  std::size_t level = 0;  // to go to
+  ReadMove move = {};     // of a pin, its spheres
+};
+
+Expected<std::vector<DeformationSession::Line>> DeformationSession::lines_of(std::string_view text,
+                                                                             std::string_view name) const {
+  std::vector<Line> lines;
+  std::size_t level = nodes_.size(), number = 0;
   bool begun = false;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
@@ -165,7 +176,8 @@ Expected<void> DeformationSession::replay(std::string_view text, std::string_vie
     }
     const std::string found = words.found();
     const std::string_view verb = words.next();
-    Expected<void> done;
+    Line read{.number = number};
+    Expected<void> checked;
     if (verb == "vertices") {
       const auto vertices = words.number<std::size_t>();
       if (vertices != positions_.size())
@@ -174,18 +186,52 @@ Expected<void> DeformationSession::replay(std::string_view text, std::string_vie
     } else if (verb == "level") {
       const auto spheres = words.number<std::size_t>();
       if (!spheres) return wrong("expected a number of spheres behind `level`; " + words.found());
-      done = go_to(*spheres);
-    } else if (verb == "move") {
-      done = move_of(words).and_then([&](const Line& read) { return move(read.move, read.options); });
-    } else if (verb == "pin" || verb == "unpin") {
-      done = spheres_of(words).and_then([&](const auto& spheres) { return pin(spheres, verb == "pin"); });
+      checked = check_level(*spheres);
+      read.level = level = *spheres;
+    } else if (verb == "move" || verb == "pin" || verb == "unpin") {
+      read.verb = verb == "move" ? Line::Verb::Move : verb == "pin" ? Line::Verb::Pin : Line::Verb::Unpin;
+      auto move = verb == "move" ? move_of(words) : spheres_of(words).map([](std::vector<SphereId>&& spheres) {
+        return ReadMove{.move = {.spheres = std::move(spheres)}};
+      });
+      if (!move) return wrong(move.error().message);
+      checked = check(move->move, level);
+      read.move = std::move(*move);
     } else {
       return wrong("expected `vertices`, `level`, `move`, `pin` or `unpin`; " + found);
     }
-    if (!done) return wrong(done.error().message);
+    if (!checked) return wrong(checked.error().message);
     if (!words.ended()) return wrong("expected the line to end here; " + words.found());
+    if (verb != "vertices") lines.push_back(std::move(read));
   }
   if (!begun) return fail(std::string(name) + ": is empty; expected `" + std::string(kHeader) + "`");
+  return lines;
+}
+
+Expected<void> DeformationSession::carry_out(const Line& line) {
+  switch (line.verb) {
+    case Line::Verb::Level: return go_to(line.level);
+    case Line::Verb::Move: return move(line.move.move, line.move.options);
+    case Line::Verb::Pin: return pin(line.move.move.spheres, true);
+    case Line::Verb::Unpin: break;
+  }
+  return pin(line.move.move.spheres, false);
+}
+
+Expected<void> DeformationSession::replay(std::string_view text, std::string_view name) {
+  cancel();
+  const auto lines = lines_of(text, name);
+  if (!lines) return tl::unexpected(lines.error());
+  const std::size_t before = steps(), level = nodes_.size();
+  std::vector<Step> undone = std::exchange(undone_, {});
+  for (const Line& line : *lines) {
+    const auto done = carry_out(line);
+    if (done) continue;
+    while (steps() > before) undo();
+    undone_ = std::move(undone);
+    show_level(level);
+    return fail(std::string(name) + ", line " + std::to_string(line.number) + ": " + done.error().message);
+  }
+  if (steps() == before) undone_ = std::move(undone);
   return {};
 }
 

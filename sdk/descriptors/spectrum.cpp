@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -107,6 +108,18 @@ double orthonormalise(Eigen::Ref<MatrixXd> w, const Eigen::Ref<const MatrixXd>& 
   }
 }
 
+/// The product of the first columns of q and c, in the memory of q: there may be no room for both. Of no use where
+/// `task` was stopped meanwhile.
+MatrixXd times_in_place(MatrixXd q, Index columns, const MatrixXd& c, const Task& task) {
+  constexpr Index kRows = 1 << 16;
+  for (Index first = 0; first < q.rows() && !task.stopped(); first += kRows) {
+    const Index rows = std::min(kRows, q.rows() - first);
+    q.block(first, 0, rows, c.cols()) = times(q.block(first, 0, rows, columns), c);
+  }
+  q.conservativeResize(Eigen::NoChange, c.cols());
+  return q;
+}
+
 }  // namespace
 
 Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const SpectrumOptions& options,
@@ -153,7 +166,9 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
     leans = {leans[1], lean};
     q.middleCols(size, width) = w;
     scale_rows(w, root_mass);
+    if (task.stopped()) return cancelled();
     factor->solve(w);
+    if (task.stopped()) return cancelled();
     scale_rows(w, root_mass);
     before = w.colwise().norm();
     const MatrixXd column = dot(q.leftCols(size + width), w);
@@ -180,24 +195,20 @@ Expected<Spectrum> spectrum(const Mesh& mesh, const Laplacian& laplacian, const 
   const VectorXd theta = ritz.eigenvalues().tail(count);
   result.values = (theta.cwiseInverse().array() - sigma).cwiseMax(0).reverse();
   // A q, which is known without another solve, is purer than q (Nour-Omid, Parlett, Ericsson, Jensen 1987).
-  result.functions = times(q.leftCols(size), ritz.eigenvectors().rightCols(count));
-  subtract(result.functions, w, -left * theta.cwiseInverse().asDiagonal());
-  result.functions.colwise().normalize();
-  result.functions = result.functions.rowwise().reverse().eval();
-  for (Index v = 0; v < n; ++v) {
-    if (root_mass[v] > 0) {
-      result.functions.row(v) /= root_mass[v];
-    } else {
-      result.functions.row(v).setZero();
-    }
-  }
+  result.functions = times_in_place(std::move(q), size, ritz.eigenvectors().rightCols(count).rowwise().reverse(), task);
+  if (task.stopped()) return cancelled();
+  subtract(result.functions, w, -(left * theta.cwiseInverse().asDiagonal()).rowwise().reverse());
   const double mean = result.values.mean();
-  MatrixXd residual = laplacian.stiffness * result.functions;
-  for (Index v = 0; v < n; ++v)
-    if (mass[v] > 0)
-      residual.row(v) =
-          (residual.row(v) - mass[v] * result.functions.row(v).cwiseProduct(result.values.transpose())) / root_mass[v];
-  result.residuals = residual.colwise().norm().transpose().array() / (result.values.array() + mean).max(sigma);
+  result.residuals.resize(count);
+  tbb::parallel_for(Index{0}, count, [&](Index k) {
+    if (task.stopped()) return;
+    auto phi = result.functions.col(k);
+    phi = (root_mass.array() > 0).select(phi.normalized().cwiseQuotient(root_mass), 0.0);
+    const VectorXd off = laplacian.stiffness * phi - result.values[k] * mass.cwiseProduct(phi);
+    const double residual = (root_mass.array() > 0).select(off.cwiseQuotient(root_mass), 0.0).matrix().norm();
+    result.residuals[k] = residual / std::max(result.values[k] + mean, sigma);
+  });
+  if (task.stopped()) return cancelled();
   result.converged = static_cast<std::size_t>((result.residuals.array() <= options.tolerance).count());
   return result;
 }

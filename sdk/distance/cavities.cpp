@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include <tbb/parallel_for.h>
+
 namespace armature::sdk {
 
 using Eigen::Vector3d;
@@ -63,8 +65,15 @@ void Cavities::classify(const SphereMeshTree& tree, const std::array<int, 3>& fi
     return;
   }
   const int half = size / 2;
-  for (int k = 0; k < 8; ++k)
+  const auto part = [&](int k) {
     classify(tree, {first[0] + (k & 1) * half, first[1] + (k >> 1 & 1) * half, first[2] + (k >> 2) * half}, half, task);
+  };
+  constexpr int kWorthAThread = 32;
+  if (half >= kWorthAThread) {
+    tbb::parallel_for(0, 8, part);
+  } else {
+    for (int k = 0; k < 8; ++k) part(k);
+  }
 }
 
 bool Cavities::joined(const SphereMeshTree& tree, const std::array<int, 3>& a, const std::array<int, 3>& b) const {
@@ -180,16 +189,22 @@ Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& po
 }
 
 bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {
+  // Thin walls are not passed through; what the point lies off the surface by is none, however flat the way.
+  const auto sees = [&](const Vector3d& from) {
+    const double way = (point - from).norm();
+    const auto hit = tree.intersect({from, (point - from) / way});
+    return !hit || hit->t > way - 0.02 * way - 0.01 * spacing_;
+  };
   // As far off as nothing else is much nearer; beside another wall, between the two.
   double step = spacing_;
   for (int k = 0; k < 12; ++k, step /= 2) {
     const Vector3d ahead = point + step * normal;
     const NearestSphere nearest = tree.nearest(ahead);
-    if (nearest.distance >= 0.3 * step) return holds(tree, ahead);
+    if (nearest.distance >= 0.3 * step && sees(ahead)) return holds(tree, ahead);
     const Vector3d between = normal + nearest.normal;
     if (!(between.squaredNorm() > 1e-6)) continue;
     const Vector3d off = point + step * between.normalized();
-    if (tree.signed_distance(off) >= 0.03 * step) return holds(tree, off);
+    if (tree.signed_distance(off) >= 0.03 * step && sees(off)) return holds(tree, off);
   }
   return holds(tree, point + step * normal);
 }

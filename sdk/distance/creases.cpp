@@ -14,9 +14,9 @@ constexpr int kDeepest = 14;  // halvings of a segment of crease: a kink between
 
 class CreaseTracer {
  public:
-  CreaseTracer(const SpherePieces& shape, const Patch& patch, const CreaseOptions& options, std::uint32_t patch_index,
-               std::vector<CreaseSegment>& creases)
-      : shape_(shape), patch_(patch), options_(options), patch_index_(patch_index), creases_(creases) {
+  CreaseTracer(const SpherePieces& shape, const Patch& patch, const CreaseOptions& options,
+               std::vector<OuterCrease>& creases)
+      : shape_(shape), patch_(patch), options_(options), creases_(creases) {
     for (const SphereId id : patch.spheres)
       if (id.valid()) own_.push_back(id);
     anchor_ = shape.sphere(own_.front());
@@ -60,6 +60,7 @@ class CreaseTracer {
   void search(const PatchTriangle& cell, const std::vector<Piece>& candidates, std::size_t depth) {
     const PatchReach reach = reach_of(shape_, patch_, cell);
     const PatchPoint middle = at(shape_, patch_, reach.middle);
+    if ((middle.point - options_.place).norm() > options_.within + reach.distance) return;
     for (const SphereId id : fences_)
       if (beyond(id, middle.normal, 0) > reach.turn * (shape_.sphere(id).centre - anchor_.centre).norm()) return;
     std::vector<Piece>& active = levels_[depth];
@@ -157,7 +158,7 @@ class CreaseTracer {
         return;
       }
     }
-    creases_.push_back({a, b, patch_index_});
+    creases_.push_back({a, b});
   }
 
   /// Moves a point onto the patch and the nearest of the others, at right angles to the curve where they meet.
@@ -181,8 +182,7 @@ class CreaseTracer {
   const SpherePieces& shape_;
   const Patch& patch_;
   const CreaseOptions& options_;
-  std::uint32_t patch_index_;
-  std::vector<CreaseSegment>& creases_;
+  std::vector<OuterCrease>& creases_;
   std::vector<SphereId> own_;
   Sphere anchor_;
   std::vector<SphereId> fences_;
@@ -193,8 +193,8 @@ class CreaseTracer {
 }  // namespace
 
 void find_creases(const SpherePieces& shape, std::span<const Piece> pieces, const Patch& patch,
-                  const CreaseOptions& options, std::uint32_t patch_index, std::vector<CreaseSegment>& creases) {
-  CreaseTracer(shape, patch, options, patch_index, creases).trace(pieces);
+                  const CreaseOptions& options, std::vector<OuterCrease>& creases) {
+  CreaseTracer(shape, patch, options, creases).trace(pieces);
 }
 
 }  // namespace armature::sdk

@@ -10,6 +10,7 @@
 #include <armature/sdk/distance/outer_surface.h>
 #include <armature/sdk/mesh/measures.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 namespace armature::sdk {
 namespace {
@@ -65,12 +66,14 @@ auto to_mesh(const MeshTree& tree) {
   };
 }
 
-auto to_surface(const OuterSurface& surface) {
-  return [&surface](std::span<const Vector3d> points) {
+/// Distances that do not depend on the points before.
+template <class Distance>
+auto at_each(Distance distance) {
+  return [distance](std::span<const Vector3d> points) {
     Distances result;
     for (const Vector3d& point : points) {
-      const double distance = std::abs(surface.signed_distance(point));
-      result.add({distance, distance, 1});
+      const double at = distance(point);
+      result.add({at, at, 1});
     }
     return result;
   };
@@ -106,13 +109,14 @@ Probes probes_of(const OuterSurface& surface, std::size_t samples) {
   return probes;
 }
 
-/// The three errors, given how to measure towards either side.
-template <class ToApproximation, class ToInput>
+/// The three errors, given how to measure towards either side, and from the extremes of the input.
+template <class ToApproximation, class FromExtremes, class ToInput>
 Expected<ApproximationErrors> compare(const Probes& input, const Probes& approximation, double diagonal,
-                                      ToApproximation&& to_approximation, ToInput&& to_input, const Task& task) {
+                                      ToApproximation&& to_approximation, FromExtremes&& from_extremes,
+                                      ToInput&& to_input, const Task& task) {
   const auto there = distances(input.even, to_approximation, task, "measuring input to approximation");
   if (!there) return cancelled();
-  const auto there_extreme = distances(input.extreme, to_approximation, task, "measuring vertices");
+  const auto there_extreme = distances(input.extreme, from_extremes, task, "measuring vertices");
   if (!there_extreme) return cancelled();
   const auto back = distances(approximation.even, to_input, task, "measuring approximation to input");
   if (!back) return cancelled();
@@ -170,11 +174,20 @@ Expected<ApproximationErrors> measure(const Mesh& input, const SphereMesh& appro
   const auto diagonal = diagonal_of_input(input);
   if (!diagonal) return tl::unexpected(diagonal.error());
   if (approximation.spheres.empty()) return fail("the approximation has no spheres: expected one at least");
-  const auto surface = OuterSurface::build(approximation, {}, task);
-  if (!surface) return tl::unexpected(surface.error());
-  const MeshTree tree(input);
-  return compare(probes_of(input, options.samples), probes_of(*surface, options.samples), *diagonal,
-                 to_surface(*surface), to_mesh(tree), task);
+  std::optional<Expected<OuterSurface>> built;
+  std::optional<MeshTree> tree;
+  tbb::parallel_invoke([&] { built = OuterSurface::build(approximation, {.creases_when_asked = options.quick}, task); },
+                       [&] { tree.emplace(input); });
+  if (!*built) return tl::unexpected(built->error());
+  const OuterSurface& surface = **built;
+  const auto exactly = at_each([&](const Vector3d& point) { return std::abs(surface.signed_distance(point)); });
+  // The nearest piece's surface may lie within.
+  const auto at_least = at_each([&](const Vector3d& point) { return std::abs(surface.tree().signed_distance(point)); });
+  const auto from = [&](auto&& from_extremes) {
+    return compare(probes_of(input, options.samples), probes_of(surface, options.samples), *diagonal, exactly,
+                   from_extremes, to_mesh(*tree), task);
+  };
+  return options.quick ? from(at_least) : from(exactly);
 }
 
 Expected<ApproximationErrors> measure(const Mesh& input, const Mesh& approximation, const MeasureOptions& options,
@@ -185,7 +198,7 @@ Expected<ApproximationErrors> measure(const Mesh& input, const Mesh& approximati
   const MeshTree input_tree(input);
   const MeshTree tree(approximation);
   return compare(probes_of(input, options.samples), probes_of(approximation, options.samples), *diagonal, to_mesh(tree),
-                 to_mesh(input_tree), task);
+                 to_mesh(tree), to_mesh(input_tree), task);
 }
 
 }  // namespace armature::sdk

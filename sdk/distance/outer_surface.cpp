@@ -8,6 +8,7 @@
 
 #include "sdk/distance/cavities.h"
 #include "sdk/distance/creases.h"
+#include "sdk/distance/sphere_mesh_tree_state.h"
 
 namespace armature::sdk {
 namespace {
@@ -27,29 +28,39 @@ double squared_distance(const OuterCrease& segment, const Vector3d& point) noexc
 }  // namespace
 
 struct OuterSurface::State {
-  SpherePieces shape;
   SphereMeshTree tree;
+  const SpherePieces& shape;  // of the tree, as are the other two
+  const std::vector<Piece>& pieces;
+  const Bvh& piece_bvh;
   std::vector<Patch> patches;
   double diagonal;
   double depth;  // what a covered point must lie deeper than
   Cavities cavities;
   UnitFrame frame;
-  std::vector<Piece> pieces;  // in the order of their leaves
-  Bvh piece_bvh;
+  CreaseOptions tracing;
+  bool traces_when_asked;
+  std::vector<bool> held;            // spheres, by others, where creases are traced when asked
   std::vector<OuterCrease> creases;  // in the order of their leaves
   Bvh crease_bvh;
 
   /// Of no use where `task` was stopped meanwhile.
   State(const SphereMesh& sphere_mesh, const OuterSurfaceOptions& options, const Task& task)
-      : shape(sphere_mesh),
-        tree(sphere_mesh),
+      : tree(sphere_mesh),
+        shape(tree.state_->shape),
+        pieces(tree.state_->pieces),
+        piece_bvh(tree.state_->bvh),
         patches(patches_of(shape)),
         diagonal((shape.upper - shape.lower).norm()),
         depth(4e-8 * diagonal),
         cavities(tree, options.cavity_grid, task),
-        frame(shape.frame()) {
-    index_pieces();
-    index_creases(visible_creases(options, task));
+        frame(tree.state_->frame),
+        tracing{.resolution = options.resolution * diagonal, .chord = options.tolerance * diagonal},
+        traces_when_asked(options.creases_when_asked) {
+    if (traces_when_asked) {
+      held = held_spheres(shape);
+    } else {
+      index_creases(visible_creases(task));
+    }
   }
 
   /// Whether a point of a patch, with its outward normal, lies on the outer surface.
@@ -58,27 +69,17 @@ struct OuterSurface::State {
     return !cavities.faces(tree, point, normal);
   }
 
-  void index_pieces() {
-    const std::vector<Piece> all = shape.all();
-    std::vector<UnitBox> boxes;
-    boxes.reserve(all.size());
-    for (const Piece piece : all) boxes.push_back(shape.box_of(frame, piece));
-    piece_bvh = Bvh(boxes, kLeafSize);
-    for (const std::uint32_t k : piece_bvh.order()) pieces.push_back(all[k]);
-  }
-
-  std::vector<OuterCrease> visible_creases(const OuterSurfaceOptions& options, const Task& task) const {
-    const CreaseOptions crease_options{options.resolution * diagonal, options.tolerance * diagonal};
+  std::vector<OuterCrease> visible_creases(const Task& task) const {
     constexpr std::size_t kAtOnce = 256;  // between two reports
     std::vector<std::vector<OuterCrease>> found(patches.size());
     for (std::size_t first = 0; first < patches.size() && !task.stopped(); first += kAtOnce) {
       task.report("finding creases", static_cast<double>(first) / static_cast<double>(patches.size()));
       tbb::parallel_for(first, std::min(first + kAtOnce, patches.size()), [&](std::size_t k) {
         if (task.stopped()) return;
-        std::vector<CreaseSegment> all;
-        find_creases(shape, near(patches[k]), patches[k], crease_options, static_cast<std::uint32_t>(k), all);
+        std::vector<OuterCrease> all;
+        find_creases(shape, near(patches[k]), patches[k], tracing, all);
         VoidMemory memory;
-        for (const CreaseSegment& segment : all) add_visible(segment, 2 * crease_options.chord, memory, found[k]);
+        for (const OuterCrease& segment : all) add_visible(segment, memory, found[k]);
       });
     }
     std::vector<OuterCrease> visible;
@@ -118,8 +119,7 @@ struct OuterSurface::State {
   };
 
   /// Keeps what of a crease nothing covers.
-  void add_visible(const CreaseSegment& segment, double sag, VoidMemory& memory,
-                   std::vector<OuterCrease>& visible) const {
+  void add_visible(const OuterCrease& segment, VoidMemory& memory, std::vector<OuterCrease>& visible) const {
     Vector3d a = segment.a;
     Vector3d b = segment.b;
     const bool a_inside = tree.inside(a, depth);
@@ -130,7 +130,7 @@ struct OuterSurface::State {
       Vector3d hidden = a_inside ? a : b;
       for (int step = 0; step < 24; ++step) {
         const Vector3d middle = (seen + hidden) / 2;
-        (tree.inside(middle, sag) ? hidden : seen) = middle;
+        (tree.inside(middle, 2 * tracing.chord) ? hidden : seen) = middle;
       }
       (a_inside ? a : b) = seen;
     }
@@ -151,31 +151,51 @@ struct OuterSurface::State {
     for (const std::uint32_t k : crease_bvh.order()) creases.push_back(visible[k]);
   }
 
+  /// The least distance that was found so far.
+  struct Least {
+    const Eigen::Vector3f place;  // in the unit frame
+    const double to_unit;
+    double distance = std::numeric_limits<double>::infinity();
+
+    [[nodiscard]] float limit() const noexcept {
+      const double there = distance * to_unit;
+      return static_cast<float>(there * there) * (1 + Bvh::kSlack);
+    }
+  };
   [[nodiscard]] double distance_within(const Vector3d& point) const noexcept;
+  void look_at_creases(const Vector3d& point, Least& least) const noexcept;
+  void look_at_pieces(const Vector3d& point, Least& least) const noexcept;
+  void trace_creases(const Vector3d& point, Least& least) const noexcept;
 };
 
 double OuterSurface::State::distance_within(const Vector3d& point) const noexcept {
-  const Eigen::Vector3f p = frame.to_unit(point);
-  const double to_unit2 = frame.scale * frame.scale;
-  double least2 = std::numeric_limits<double>::infinity();
-  const auto limit = [&] { return static_cast<float>(least2 * to_unit2) * (1 + Bvh::kSlack); };
+  Least least{frame.to_unit(point), frame.scale};
+  if (!traces_when_asked) {
+    look_at_creases(point, least);
+    look_at_pieces(point, least);
+  } else {
+    look_at_pieces(point, least);
+    if (least.distance > std::abs(tree.signed_distance(point))) trace_creases(point, least);
+  }
+  return least.distance;
+}
+
+void OuterSurface::State::look_at_creases(const Vector3d& point, Least& least) const noexcept {
   crease_bvh.descend(
-      limit(), [&](const Bvh::Node& node) { return squared_distances(node, p); },
+      least.limit(), [&](const Bvh::Node& node) { return squared_distances(node, least.place); },
       [&](std::size_t first, std::size_t count) {
         for (std::size_t k = first; k < first + count; ++k)
-          least2 = std::min(least2, squared_distance(creases[k], point));
-        return limit();
+          least.distance = std::min(least.distance, std::sqrt(squared_distance(creases[k], point)));
+        return least.limit();
       });
+}
 
-  double least = std::sqrt(least2);
+void OuterSurface::State::look_at_pieces(const Vector3d& point, Least& least) const noexcept {
   const auto offer = [&](const Vector3d& normal, double distance) {
-    if (distance < least && outer(point + distance * normal, normal)) {
-      least = distance;
-      least2 = distance * distance;
-    }
+    if (distance < least.distance && outer(point + distance * normal, normal)) least.distance = distance;
   };
   piece_bvh.descend(
-      limit(), [&](const Bvh::Node& node) { return squared_distances(node, p); },
+      least.limit(), [&](const Bvh::Node& node) { return squared_distances(node, least.place); },
       [&](std::size_t first, std::size_t count) {
         for (std::size_t k = first; k < first + count; ++k) {
           const Piece piece = pieces[k];
@@ -185,18 +205,55 @@ double OuterSurface::State::distance_within(const Vector3d& point) const noexcep
             for (const double sign : {1.0, -1.0}) {
               const Vector3d normal = facet.normal(sign);
               const double distance = facet.radius_a - normal.dot(point - facet.a);
-              if (distance < 0 || distance >= least || !facet.holds_foot(point, normal, distance)) continue;
+              if (distance < 0 || distance >= least.distance || !facet.holds_foot(point, normal, distance)) continue;
               offer(normal, distance);
             }
           } else {
-            // A ball that touches a sphere or cone from inside lies between its middle and its surface.
             const PieceDistance d = distance_to(shape, piece, point);
-            if (d.distance <= 0 && -d.distance < least) offer(normal_at(shape, d, point), -d.distance);
+            const EdgeGauge& edge = shape.edges[piece.index];
+            if (d.distance <= 0) {
+              // A ball that touches a sphere or cone from inside lies between its middle and its surface.
+              if (-d.distance < least.distance) offer(normal_at(shape, d, point), -d.distance);
+            } else if (edge.radius_a == 0 && edge.radius_b == 0 && d.distance < least.distance) {
+              // A line without thickness has no patch, and facets that meet in it no crease.
+              offer(-normal_at(shape, d, point), d.distance);
+            }
           }
         }
-        return limit();
+        return least.limit();
       });
-  return least;
+}
+
+/// The creases that come nearer than the least so far, patch by patch from the nearest on.
+void OuterSurface::State::trace_creases(const Vector3d& point, Least& least) const noexcept {
+  std::vector<std::uint32_t> known;  // spheres that were looked at: each is on several edges
+  const auto trace = [&](const Patch& patch) {
+    if (patch.kind == Patch::Kind::Sphere) {
+      if (std::ranges::find(known, patch.index) != known.end()) return;
+      known.push_back(patch.index);
+    }
+    CreaseOptions nearby = tracing;
+    nearby.place = point;
+    nearby.within = least.distance;
+    std::vector<OuterCrease> all;
+    find_creases(shape, near(patch), patch, nearby, all);
+    VoidMemory memory;
+    std::vector<OuterCrease> visible;
+    for (const OuterCrease& segment : all) {
+      if (!(std::sqrt(squared_distance(segment, point)) < least.distance)) continue;
+      visible.clear();
+      add_visible(segment, memory, visible);
+      for (const OuterCrease& seen : visible)
+        least.distance = std::min(least.distance, std::sqrt(squared_distance(seen, point)));
+    }
+  };
+  piece_bvh.descend(
+      least.limit(), [&](const Bvh::Node& node) { return squared_distances(node, least.place); },
+      [&](std::size_t first, std::size_t count) {
+        for (std::size_t k = first; k < first + count; ++k)
+          for (const Patch& patch : patches_of(shape, pieces[k], held)) trace(patch);
+        return least.limit();
+      });
 }
 
 OuterSurface::OuterSurface(const SphereMesh& shape, const OuterSurfaceOptions& options)

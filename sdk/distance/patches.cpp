@@ -14,36 +14,58 @@ Vector3d around(const Patch& patch, double angle) noexcept {
   return std::cos(angle) * patch.across[0] + std::sin(angle) * patch.across[1];
 }
 
+void add_sphere(const SpherePieces& shape, SphereId id, const std::vector<bool>& held, std::vector<Patch>& patches) {
+  if (held[id.index()] || !(shape.sphere(id).radius > 0)) return;
+  patches.push_back({.kind = Patch::Kind::Sphere,
+                     .index = static_cast<std::uint32_t>(id.index()),
+                     .spheres = {id, SphereId(), SphereId()}});
+}
+
+void add_cone(const SpherePieces& shape, std::uint32_t edge, std::vector<Patch>& patches) {
+  const EdgeGauge& e = shape.edges[edge];
+  if (e.length == 0 || (e.radius_a == 0 && e.radius_b == 0)) return;
+  const Vector3d first = any_normal_to(e.u);
+  patches.push_back({.kind = Patch::Kind::Cone,
+                     .index = edge,
+                     .across = {first, e.u.cross(first)},
+                     .spheres = {shape.edge_spheres[edge][0], shape.edge_spheres[edge][1], SphereId()}});
+}
+
+void add_facets(const SpherePieces& shape, std::uint32_t facet, std::vector<Patch>& patches) {
+  for (const double sign : {1.0, -1.0})
+    patches.push_back(
+        {.kind = Patch::Kind::Facet, .index = facet, .sign = sign, .spheres = shape.facet_spheres[facet]});
+}
+
 }  // namespace
 
-std::vector<Patch> patches_of(const SpherePieces& shape) {
-  std::vector<Patch> patches;
-  // A sphere that an edge's other sphere holds lies inside.
+std::vector<bool> held_spheres(const SpherePieces& shape) {
   std::vector<bool> held(shape.spheres.size(), false);
   for (std::size_t k = 0; k < shape.edges.size(); ++k) {
     const auto [a, b] = shape.edge_spheres[k];
     if (shape.edges[k].length == 0 && b.valid()) held[(shape.edges[k].b_is_all ? a : b).index()] = true;
   }
-  for (std::size_t k = 0; k < shape.spheres.size(); ++k)
-    if (!held[k] && shape.spheres[k].radius > 0)
-      patches.push_back({.kind = Patch::Kind::Sphere,
-                         .index = static_cast<std::uint32_t>(k),
-                         .spheres = {SphereId(k), SphereId(), SphereId()}});
-  for (std::size_t k = 0; k < shape.edges.size(); ++k) {
-    const EdgeGauge& edge = shape.edges[k];
-    if (edge.length == 0 || (edge.radius_a == 0 && edge.radius_b == 0)) continue;
-    const Vector3d first = any_normal_to(edge.u);
-    patches.push_back({.kind = Patch::Kind::Cone,
-                       .index = static_cast<std::uint32_t>(k),
-                       .across = {first, edge.u.cross(first)},
-                       .spheres = {shape.edge_spheres[k][0], shape.edge_spheres[k][1], SphereId()}});
+  return held;
+}
+
+std::vector<Patch> patches_of(const SpherePieces& shape, Piece piece, const std::vector<bool>& held) {
+  std::vector<Patch> patches;
+  if (piece.kind == Piece::Kind::Facet) {
+    add_facets(shape, piece.index, patches);
+  } else {
+    for (const SphereId id : shape.edge_spheres[piece.index])
+      if (id.valid()) add_sphere(shape, id, held, patches);
+    add_cone(shape, piece.index, patches);
   }
-  for (std::size_t k = 0; k < shape.facets.size(); ++k)
-    for (const double sign : {1.0, -1.0})
-      patches.push_back({.kind = Patch::Kind::Facet,
-                         .index = static_cast<std::uint32_t>(k),
-                         .sign = sign,
-                         .spheres = shape.facet_spheres[k]});
+  return patches;
+}
+
+std::vector<Patch> patches_of(const SpherePieces& shape) {
+  const std::vector<bool> held = held_spheres(shape);
+  std::vector<Patch> patches;
+  for (std::size_t k = 0; k < shape.spheres.size(); ++k) add_sphere(shape, SphereId(k), held, patches);
+  for (std::size_t k = 0; k < shape.edges.size(); ++k) add_cone(shape, static_cast<std::uint32_t>(k), patches);
+  for (std::size_t k = 0; k < shape.facets.size(); ++k) add_facets(shape, static_cast<std::uint32_t>(k), patches);
   return patches;
 }
 

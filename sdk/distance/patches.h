@@ -27,7 +27,11 @@ struct PatchPoint {
   Eigen::Vector3d normal;
 };
 
-/// All patches that can reach the surface: none of spheres without a radius, none of what another sphere holds.
+/// Which spheres another one holds, with which they share an edge: nothing of these reaches the surface.
+[[nodiscard]] std::vector<bool> held_spheres(const SpherePieces& shape);
+/// The patches of one piece that can reach the surface: of an edge also its spheres, but what `held` holds.
+[[nodiscard]] std::vector<Patch> patches_of(const SpherePieces& shape, Piece piece, const std::vector<bool>& held);
+/// All of them, each once.
 [[nodiscard]] std::vector<Patch> patches_of(const SpherePieces& shape);
 
 [[nodiscard]] double area_of(const SpherePieces& shape, const Patch& patch) noexcept;

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "sdk/distance/sphere_pieces.h"
+#include "sdk/distance/sphere_mesh_tree_state.h"
 
 namespace armature::sdk {
 namespace {
@@ -9,24 +9,15 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kLeafSize = 4;
 
+std::optional<Passage> passage_of(const SpherePieces& shape, Piece piece, const Ray& ray) {
+  const TouchedSpheres s = shape.spheres_of(piece);
+  if (piece.kind == Piece::Kind::Facet)
+    return passage(SphereTriangle{shape.sphere(s[0]), shape.sphere(s[1]), shape.sphere(s[2])}, ray);
+  if (s[1].valid()) return passage(SphereEdge{shape.sphere(s[0]), shape.sphere(s[1])}, ray);
+  return passage(shape.sphere(s[0]), ray);
+}
+
 }  // namespace
-
-struct SphereMeshTree::State {
-  SpherePieces shape;
-  std::vector<Piece> pieces;  // in the order of the leaves
-  UnitFrame frame;
-  Bvh bvh;
-
-  /// Looks for the least signed distance and stops early once it is below `enough`.
-  [[nodiscard]] PieceDistance find(const Vector3d& point, double enough) const noexcept;
-  [[nodiscard]] std::optional<Passage> passage_of(Piece piece, const Ray& ray) const noexcept {
-    const TouchedSpheres s = shape.spheres_of(piece);
-    if (piece.kind == Piece::Kind::Facet)
-      return passage(SphereTriangle{shape.sphere(s[0]), shape.sphere(s[1]), shape.sphere(s[2])}, ray);
-    if (s[1].valid()) return passage(SphereEdge{shape.sphere(s[0]), shape.sphere(s[1])}, ray);
-    return passage(shape.sphere(s[0]), ray);
-  }
-};
 
 SphereMeshTree::SphereMeshTree(const SphereMesh& shape) {
   auto state = std::make_unique<State>();
@@ -104,7 +95,7 @@ std::optional<SphereMeshHit> SphereMeshTree::intersect(const Ray& ray) const noe
       limit, [&](const Bvh::Node& node) { return entries(node, unit); },
       [&](std::size_t first, std::size_t count) {
         for (std::size_t k = first; k < first + count; ++k) {
-          const auto through = s.passage_of(s.pieces[k], ray);
+          const auto through = passage_of(s.shape, s.pieces[k], ray);
           if (!through || !(through->exit.t > 0)) continue;
           if (from_inside) {
             parts.push_back({*through, s.pieces[k]});

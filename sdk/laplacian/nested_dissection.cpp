@@ -161,7 +161,9 @@ Group extract(const Group& group, std::span<const std::uint8_t> side, Side which
 }
 
 /// Orders a group into the places from `begin`: lower side, upper side, separator.
-void dissect(Group group, std::size_t begin, std::span<std::uint32_t> order, std::span<std::uint8_t> block_begins) {
+void dissect(Group group, std::size_t begin, std::span<std::uint32_t> order, std::span<std::uint8_t> block_begins,
+             const Task& task) {
+  if (task.stopped()) return;
   const auto finish = [&](std::span<const std::uint32_t> vertices, std::size_t at) {
     if (vertices.empty()) return;
     block_begins[at] = 1;
@@ -189,8 +191,8 @@ void dissect(Group group, std::size_t begin, std::span<std::uint32_t> order, std
   const bool large = group.size() > kTask;
   group = {};
   const std::size_t middle = begin + lower.size();
-  const auto first = [&] { dissect(std::move(lower), begin, order, block_begins); };
-  const auto second = [&] { dissect(std::move(upper), middle, order, block_begins); };
+  const auto first = [&] { dissect(std::move(lower), begin, order, block_begins, task); };
+  const auto second = [&] { dissect(std::move(upper), middle, order, block_begins, task); };
   if (large) {
     tbb::parallel_invoke(first, second);
   } else {
@@ -201,7 +203,8 @@ void dissect(Group group, std::size_t begin, std::span<std::uint32_t> order, std
 
 }  // namespace
 
-Dissection nested_dissection(const Eigen::SparseMatrix<double>& matrix, std::span<const Eigen::Vector3d> positions) {
+Dissection nested_dissection(const Eigen::SparseMatrix<double>& matrix, std::span<const Eigen::Vector3d> positions,
+                             const Task& task) {
   const auto n = static_cast<std::uint32_t>(positions.size());
   Group all;
   // In their order along an axis, so that neighbours lie close together in memory whatever their order in the mesh.
@@ -231,7 +234,7 @@ Dissection nested_dissection(const Eigen::SparseMatrix<double>& matrix, std::spa
 
   Dissection result{.order = std::vector<std::uint32_t>(n)};
   std::vector<std::uint8_t> block_begins(n, 0);
-  if (n > 0) dissect(std::move(all), 0, result.order, block_begins);
+  if (n > 0) dissect(std::move(all), 0, result.order, block_begins, task);
   for (std::uint32_t i = 0; i < n; ++i)
     if (block_begins[i] != 0) result.blocks.push_back(i);
   result.blocks.push_back(n);

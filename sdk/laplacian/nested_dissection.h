@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <armature/sdk/task.h>
 
 namespace armature::sdk {
 
@@ -18,8 +19,9 @@ struct Dissection {
 
 /// Cuts the graph of a matrix in two again and again by few vertices, which come last (George 1973). A cut is the
 /// narrowest among those across the axes near the middle. `positions` places every row; where they fall together cuts
-/// are worse, nothing else. Uses all cores; the same on any number of them.
+/// are worse, nothing else. Uses all cores; the same on any number of them. Of no use where `task` was stopped
+/// meanwhile.
 [[nodiscard]] Dissection nested_dissection(const Eigen::SparseMatrix<double>& matrix,
-                                           std::span<const Eigen::Vector3d> positions);
+                                           std::span<const Eigen::Vector3d> positions, const Task& task = {});
 
 }  // namespace armature::sdk

@@ -90,7 +90,9 @@ Expected<SparseFactor> SparseFactor::of(const Eigen::SparseMatrix<double>& matri
   }
   task.report("ordering", 0);
   auto state = std::make_unique<State>();
-  auto structure = std::make_shared<BlockStructure>(block_structure(matrix, nested_dissection(matrix, positions)));
+  Dissection dissection = nested_dissection(matrix, positions, task);
+  if (task.stopped()) return cancelled();
+  auto structure = std::make_shared<BlockStructure>(block_structure(matrix, std::move(dissection)));
   if (task.stopped()) return cancelled();
   task.report("factoring", 0);
   state->entries = subtree_entries(*structure);

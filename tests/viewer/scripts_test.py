@@ -102,6 +102,16 @@ class Viewer(unittest.TestCase):
     def test_sphere_meshes(self):
         self.script("spheres.txt")
 
+    def test_errors_that_are_found_quickly_are_those_that_are_measured(self):
+        for level in (15, 300):
+            opened = ["open creature.off", "build", f"level {level}"]
+            quick = self.facts([*opened, "wait 60 measured quickly"])
+            full = self.facts([*opened, 'wait 200 measured "in full"'])
+            ratio = float(quick["mean_percent"]) / float(full["mean_percent"])
+            self.assertLess(abs(ratio - 1), 0.03, level)
+            ratio = float(quick["hausdorff_percent"]) / float(full["hausdorff_percent"])
+            self.assertTrue(0.85 < ratio < 1.02, f"{ratio} at {level}")
+
     def test_selections(self):
         self.script("select.txt")
 

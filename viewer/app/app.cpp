@@ -44,7 +44,7 @@ void App::lay_out(int width, int height) {
   if (status > 0 && !session_.job.running()) {
     // What there is to tell may take several lines.
     const float lines = ImGui::CalcTextSize(session_.notice.c_str(), nullptr, false, w - 2 * ui_.px(kStatusMargin)).y;
-    status = std::min(std::max(status, lines + ui_.px(18)), 0.6F * h);
+    status = std::min(std::max(status, lines + ui_.px(18)), 0.75F * h);
   }
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
   ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};

@@ -24,6 +24,7 @@ struct Waiting {
   std::weak_ptr<Model> model;
   OrbitCamera camera;  // that a loop was seen with
   sdk::Combine combine;
+  bool refines;  // goes on from the gesture before
 };
 
 }  // namespace
@@ -37,6 +38,7 @@ struct Gesture {
   double radius = 0;                           ///< of the brush that it began with
   Points points = {};                          ///< on the surface, that its command will hold
   bool drawing = false;                        ///< it goes on
+  bool lost = false;                           ///< what it goes on from was cancelled meanwhile
   std::size_t followed = 0;                    ///< how many of the points the follower has been told
   std::shared_ptr<const Follower> follower{};  ///< or none
   Faces shown = {};                            ///< what it has found last
@@ -86,17 +88,41 @@ std::optional<sdk::VertexId> vertex_at(Ui& ui, const ImVec2& pixel) {
                           [&](sdk::VertexId v) { return (mesh.position(v) - found->point).squaredNorm(); });
 }
 
-/// Issues the command of a gesture, once that of the gesture before is done.
-void issue_gesture_line(Ui& ui, std::string line) {
+/// Whether a gesture changes what the one before has selected.
+bool refines(const Gesture& gesture) {
+  return gesture.tool == Tool::Edge || std::string_view(gesture.how) != "new";
+}
+
+/// Notices that the gesture before has been selected, or not: then what goes on from it goes, too.
+void settle(Ui& ui) {
   Gesture& gesture = *ui.gesture;
-  gesture.selects = gesture.selects && ui.session.job.running();
-  if (gesture.selects) {
-    gesture.waiting.push_back({std::move(line), gesture.model, ui.session.camera, ui.session.combine});
-    return;
+  if (!gesture.selects || ui.session.job.running()) return;
+  gesture.selects = false;
+  if (!ui.session.job_undone) return;
+  const auto kept = std::ranges::find_if(gesture.waiting, [](const Waiting& drawn) { return !drawn.refines; });
+  auto lost = kept - gesture.waiting.begin();
+  gesture.waiting.erase(gesture.waiting.begin(), kept);
+  if (gesture.drawing && gesture.waiting.empty() && refines(gesture)) {
+    gesture.lost = true;
+    ++lost;
   }
+  if (lost > 0)
+    ui.tell_also(lost == 1 ? "; the stroke that went on from it went with it"
+                           : fmt::format("; the {} strokes that went on from it went with it", lost));
+}
+
+/// Issues the command of a gesture now.
+void issue_now(Ui& ui, const std::string& line) {
   const bool was_running = ui.session.job.running();
   ui.issue("{}", line);
-  gesture.selects = ui.session.job.running() && !was_running;
+  ui.gesture->selects = ui.session.job.running() && !was_running;
+}
+
+/// The same once those of the gestures before are done.
+void issue_gesture_line(Ui& ui, std::string line) {
+  Gesture& gesture = *ui.gesture;
+  if (!gesture.selects && gesture.waiting.empty()) return issue_now(ui, line);
+  gesture.waiting.push_back({std::move(line), gesture.model, ui.session.camera, ui.session.combine, refines(gesture)});
 }
 
 /// Issues what has waited, as it was drawn: from where the camera stood then, combined as was chosen then.
@@ -109,7 +135,7 @@ void issue_waiting(Ui& ui, const Waiting& drawn) {
   const bool seen = drawn.line.starts_with(kLasso);
   choose(drawn.combine);
   if (seen) issue_camera(ui, drawn.camera);
-  issue_gesture_line(ui, drawn.line);
+  issue_now(ui, drawn.line);
   if (seen) issue_camera(ui, camera);
   choose(combine);
 }
@@ -228,6 +254,7 @@ std::optional<Follower> follower(const Gesture& gesture, const Model& model) {
 
 /// Whether what a gesture goes on from is there: it begins anew, or all gestures before have been selected.
 bool can_be_followed(const Session& session, const Gesture& gesture) {
+  if (gesture.lost) return false;
   if (!session.job.running()) return gesture.waiting.empty();
   return gesture.selects && gesture.tool != Tool::Edge && std::string_view(gesture.how) == "new";
 }
@@ -255,6 +282,7 @@ void begin_gesture(Ui& ui) {
   gesture.radius = brush_radius(ui);
   gesture.points.clear();
   gesture.drawing = true;
+  gesture.lost = false;
   gesture.followed = 0;
   gesture.follower.reset();
   gesture.shown.clear();
@@ -270,10 +298,11 @@ void continue_gesture(Ui& ui) {
 void end_gesture(Ui& ui) {
   const ImVec2 mouse = ImGui::GetIO().MousePos, last = ui.stroke.back();
   if (mouse.x != last.x || mouse.y != last.y) draw_on(ui, mouse);
-  ui.gesture->drawing = false;
   ui.gesture->follower.reset();
   ui.gesture->following.cancel();
-  issue_gesture(ui, *ui.gesture);
+  settle(ui);
+  if (!ui.gesture->lost) issue_gesture(ui, *ui.gesture);
+  ui.gesture->drawing = false;
   ui.stroke.clear();
 }
 
@@ -314,7 +343,7 @@ bool follow_stroke(Ui& ui) {
 }  // namespace
 
 bool follow_gesture(Ui& ui) {
-  if (ui.gesture && !ui.session.job.running()) ui.gesture->selects = false;
+  if (ui.gesture) settle(ui);
   if (ui.gesture && !ui.gesture->waiting.empty() && !ui.session.job.running()) {
     Gesture& gesture = *ui.gesture;
     const Waiting drawn = std::move(gesture.waiting.front());

@@ -72,7 +72,7 @@ sdk::Expected<void> run_headless(Session& session, Script script, const RunOptio
     if (script.done(session) || session.quit) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
   }
-  if (session.failed) return sdk::fail(session.notice);
+  if (session.failure) return sdk::fail(*session.failure);
   if (options.screenshot.empty()) return {};
   return take({.file = options.screenshot});
 }

@@ -68,6 +68,8 @@ struct Ui {
   }
   /// Says why there was nothing to issue; an empty text takes away what was said.
   void tell(std::string text) { commanded.tell(std::move(text)); }
+  /// Adds to what the session tells.
+  void tell_also(const std::string& text) { commanded.tell(session.notice + text, session.notice_is_error); }
   [[nodiscard]] float px(float units) const { return units * scale; }
 };
 

@@ -47,14 +47,19 @@ class MeshShape {
   mutable MadeOnce<sdk::ComponentIndex> components_;
 };
 
+/// How far a sphere-mesh leaves its mesh.
+struct LevelErrors : sdk::ApproximationErrors {
+  bool about = false;  ///< measured quickly: the means are close, the largest may be somewhat larger
+};
+
 /// A sphere-mesh, or the level that is shown of a hierarchy.
 struct SphereShape {
   std::shared_ptr<const sdk::Hierarchy> hierarchy;  ///< or none
   std::optional<sdk::LevelCursor> cursor;           ///< where there is a hierarchy
   sdk::SphereMesh shape;
-  std::optional<sdk::SphereMeshTree> tree;         ///< of `shape`, made when it is first asked for
-  std::optional<sdk::ApproximationErrors> errors;  ///< of `shape` against the mesh, once they are measured
-  std::string unmeasured;                          ///< why that cannot be done
+  std::optional<sdk::SphereMeshTree> tree;  ///< of `shape`, made when it is first asked for
+  std::optional<LevelErrors> errors;        ///< of `shape` against the mesh, once they are measured
+  std::string unmeasured;                   ///< why that cannot be done
   /// Shows another shape.
   void show(sdk::SphereMesh other);
   /// What was found out about the shape before counts no longer.

@@ -23,7 +23,7 @@ std::shared_ptr<const Pose> Posing::pose() const {
   pose->shape = session_.shape();
   for (std::size_t sphere = 0; sphere < pose->shape.spheres.size(); ++sphere)
     pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
-  pose->steps = steps();
+  pose->steps = session_.steps();
   return pose;
 }
 
@@ -37,14 +37,6 @@ Posing::Laid Posing::after(const Step& step) {
 std::string Posing::text() const {
   const std::lock_guard lock(mutex_);
   return session_.text();
-}
-
-std::size_t Posing::steps() const {
-  const std::string text = session_.text();
-  std::size_t steps = 0;
-  for (const std::string_view verb : {"\nmove ", "\npin ", "\nunpin "})
-    for (std::size_t at = text.find(verb); at != std::string::npos; at = text.find(verb, at + 1)) ++steps;
-  return steps;
 }
 
 Posing::Laid Posing::lies() const {
@@ -69,14 +61,7 @@ Posing::Laid Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
 }
 
 Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
-  return after([&] {
-    const std::size_t before = steps(), level = session_.shape().spheres.size();
-    auto done = session_.replay(text, name);
-    if (done) return done;
-    for (std::size_t more = steps(); more > before; --more) session_.undo();
-    if (auto back = session_.go_to(level); !back) return back;
-    return done;
-  });
+  return after([&] { return session_.replay(text, name); });
 }
 
 Posing::Laid Posing::undo() {

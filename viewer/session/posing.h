@@ -56,7 +56,6 @@ class Posing {
   template <class Step>
   Laid after(const Step& step);
   [[nodiscard]] std::shared_ptr<const Pose> pose() const;
-  [[nodiscard]] std::size_t steps() const;
 
   std::shared_ptr<const MeshShape> rest_;
   std::shared_ptr<const sdk::Hierarchy> hierarchy_;

@@ -26,8 +26,9 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     facts["triangles"] = std::to_string(shape.triangles.size());
     if (!model.spheres->unmeasured.empty()) facts["unmeasured"] = model.spheres->unmeasured;
     if (const auto& errors = model.spheres->errors) {
-      facts["hausdorff_percent"] = fmt::format("{:.4f}", errors->hausdorff);
-      facts["mean_percent"] = fmt::format("{:.4f}", errors->mean_input_to_approximation);
+      facts["measured"] = errors->about ? "quickly" : "in full";
+      facts["hausdorff_percent"] = fmt::format("{:.4g}", errors->hausdorff);
+      facts["mean_percent"] = fmt::format("{:.4g}", errors->mean_input_to_approximation);
     }
   }
   if (model.posing) {
@@ -106,6 +107,7 @@ std::map<std::string, std::string> Session::report() const {
     facts["frame.longest_work_ms"] = fmt::format("{:.1f}", 1e-6 * static_cast<double>(longest_work.count()));
   }
   facts["notice"] = notice;
+  facts["failures"] = std::to_string(failures);
   facts["camera.azimuth"] = fmt::format("{:.3f}", camera.view.azimuth_rad * kDegrees);
   facts["camera.elevation"] = fmt::format("{:.3f}", camera.view.elevation_rad * kDegrees);
   facts["camera.distance"] = fmt::format("{:.6g}", camera.distance);

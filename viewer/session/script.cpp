@@ -25,6 +25,7 @@ void Script::append(Script other) {
 
 sdk::Expected<void> Script::step(Session& session) {
   while (!session.picture && !session.quit) {
+    if (session.failure) return sdk::fail(*session.failure);
     std::string_view text = next_ < lines_.size() ? lines_[next_].text : std::string_view();
     const auto begins_with = [&text](std::string_view word) {
       if (!text.starts_with(word)) return false;
@@ -32,13 +33,11 @@ sdk::Expected<void> Script::step(Session& session) {
       return true;
     };
     if (begins_with("meanwhile ") ? session.waits() : session.busy()) return {};
-    if (session.failed) return sdk::fail((next_ > 0 ? lines_[next_ - 1].place : "") + session.notice);
     session.waiting = nullptr;  // what was waited for has come
     if (next_ == lines_.size()) return {};
-    session.forgiving = begins_with("try ");
-    const std::string& place = lines_[next_++].place;
-    const auto done = session.execute(text);
-    if (!done && !session.forgiving) return sdk::fail(place + done.error().message);
+    session.origin = {.place = lines_[next_++].place, .may_fail = begins_with("try ")};
+    static_cast<void>(session.execute(text));
+    session.origin = {};
   }
   return {};
 }
@@ -55,7 +54,7 @@ void Playlist::step(Session& session) {
     script_ = Script();
   }
   // What somebody does by hand has been told where it failed.
-  session.failed = session.forgiving = false;
+  session.failure.reset();
   if (!dropped_.done(session)) static_cast<void>(dropped_.step(session));
 }
 

@@ -10,10 +10,10 @@
 namespace armature::viewer {
 namespace {
 
-/// Points at which the error of a level is measured while the slider moves.
-constexpr std::size_t kLevelSamples = 20'000;
-/// Measuring more spheres takes minutes of all cores.
-constexpr std::size_t kMostMeasured = 10'000;
+/// Points at which the error of a level is measured, quickly and in full.
+constexpr std::size_t kQuickSamples = 10'000, kLevelSamples = 20'000;
+/// Measuring more spheres in full takes more than seconds.
+constexpr std::size_t kMostMeasured = 2'000;
 /// How long a notice that is no error is shown.
 constexpr auto kNoticeStays = std::chrono::seconds(8);
 /// How long a level must stand before its error is worth measuring.
@@ -46,6 +46,12 @@ void Session::tell(std::string text, bool error) {
   notice_since = now;
 }
 
+void Session::tell_failure(const Origin& of, const std::string& why) {
+  tell(why, true);
+  ++failures;
+  if (!of.may_fail && !failure) failure = of.place + why;
+}
+
 /// What failed is old news once something else has been done; to look at it from elsewhere is not that.
 void Session::forget_error(std::string_view command) {
   if (notice_is_error && !replaces_itself(command)) tell("");
@@ -53,8 +59,7 @@ void Session::forget_error(std::string_view command) {
 
 sdk::Expected<void> Session::execute(std::string_view line) {
   const auto fails = [&](const std::string& why) -> sdk::Expected<void> {
-    tell(why, true);
-    failed = !forgiving;
+    tell_failure(origin, why);
     return sdk::fail(why);
   };
   auto words = split_words(line);
@@ -72,6 +77,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   if (auto done = command->run(*this, arguments); !done) return fails(name + ": " + done.error().message);
   if (job.running() && !was_running) {
     pending_line_ = line_;
+    pending_origin_ = origin;
     pending_at_ = log_.size();
     return {};
   }
@@ -91,6 +97,7 @@ void Session::start(std::string title, Job::Work work, bool whole) {
 void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
+  job_undone = !*done;
   if (*done) {
     const std::string_view name = first_word(pending_line_);
     forget_error(name);
@@ -100,8 +107,7 @@ void Session::take_job() {
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
     tell(job.title() + " was cancelled; everything is as it was");
   } else {
-    tell(done->error().message, true);
-    failed = !forgiving;
+    tell_failure(pending_origin_, done->error().message);
   }
 }
 
@@ -132,7 +138,8 @@ void Session::update(Time time) {
   if (waiting && !job.running() && waiting()) waiting = nullptr;
 }
 
-/// Once the level has stood for a moment, its error is measured in the background; one at a time, the last one wins.
+/// Once the level has stood for a moment, its error is measured in the background: quickly, and then in full where that
+/// is a matter of seconds. One at a time, the last one wins.
 void Session::measure_level() {
   const auto done = measuring_.poll();
   if (models.empty()) return;
@@ -146,23 +153,19 @@ void Session::measure_level() {
   } else if (done && !*done && done->error().kind != sdk::ErrorKind::Cancelled) {
     model->spheres->unmeasured = done->error().message;
   }
-  if (model->spheres->errors || !model->spheres->unmeasured.empty()) return;
-  if (model->spheres->shape.spheres.size() > kMostMeasured) {
-    model->spheres->unmeasured = "measured up to " + std::to_string(kMostMeasured) +
-                                 " spheres only: more take minutes, with `armature spheremesh measure`";
-    return;
-  }
-  if (measuring_.running() || now - level_since_ < kLevelRests) return;
+  if (measuring_.running() || !model->spheres->unmeasured.empty() || now - level_since_ < kLevelRests) return;
+  const bool quick = !model->spheres->errors;
+  if (!quick && (!model->spheres->errors->about || model->spheres->shape.spheres.size() > kMostMeasured)) return;
   measuring_.start("measuring",
-                   [mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
-                    weak = std::weak_ptr<Model>(model),
-                    samples = kLevelSamples](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-                     const auto errors = sdk::measure(mesh->mesh, shape, {.samples = samples}, task);
+                   [quick, mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
+                    weak = std::weak_ptr<Model>(model)](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                     const auto errors = sdk::measure(
+                         mesh->mesh, shape, {.samples = quick ? kQuickSamples : kLevelSamples, .quick = quick}, task);
                      if (!errors) return tl::unexpected(errors.error());
                      return Job::Apply([=, found = *errors] {
                        const auto still = weak.lock();
                        if (still && still->spheres && still->spheres_revision == revision)
-                         still->spheres->errors = found;
+                         still->spheres->errors = LevelErrors{found, quick};
                      });
                    });
 }

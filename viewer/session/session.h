@@ -65,6 +65,12 @@ struct PictureRequest {
   int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
 };
 
+/// Where a line comes from.
+struct Origin {
+  std::string place = {};  ///< in a file, with a colon; or empty
+  bool may_fail = false;   ///< that it, or its work, fails does not count
+};
+
 /// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
 /// `log()` keeps and that a script replays. It knows no window and no OpenGL. Used by one thread.
 class Session {
@@ -127,14 +133,17 @@ class Session {
   Walk walk;
 
   Job job;
+  bool job_undone = false;                ///< the last one that ended was cancelled or has failed
   Job preparing;                          ///< what the tool in hand will need; nothing waits for it
   std::function<bool()> waiting;          ///< a script waits until it is true
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
   std::string notice;                     ///< the last failure or what to know, for people
   bool notice_is_error = false;
-  Time notice_since{0};    ///< what is no error goes after a while
-  bool failed = false;     ///< a line has failed, or an expectation
-  bool forgiving = false;  ///< what fails now does not count
+  Time notice_since{0};  ///< what is no error goes after a while
+  Origin origin;         ///< of the line that is carried out next
+  /// What of all that may not has failed first, a line or its work or an expectation, after its place.
+  std::optional<std::string> failure;
+  std::size_t failures = 0;  ///< how many lines have failed, those that may as well
   bool quit = false;
   ///@{
   /// The longest that a window took for a frame, waiting aside, since that was last told: by the clock, and in
@@ -144,6 +153,8 @@ class Session {
   Time now{0};
 
   void tell(std::string text, bool error = false);
+  /// Tells what has failed of a line.
+  void tell_failure(const Origin& of, const std::string& why);
   /// Lets things go where that holds nothing up: those of a large model take a while.
   void discard(std::shared_ptr<const void> unwanted);
   void discard(std::initializer_list<std::shared_ptr<const void>> unwanted) {
@@ -159,6 +170,7 @@ class Session {
 
   std::vector<std::string> log_;
   std::string line_, pending_line_;  // being carried out; whose job runs
+  Origin pending_origin_;            // its
   std::size_t pending_at_ = 0;       // where that belongs in the log: after what was carried out before it
   Job measuring_;
   std::vector<std::shared_ptr<const void>> unwanted_;

@@ -341,6 +341,37 @@ TEST(DeformationSession, IsSavedAndReplayedBitByBit) {
   EXPECT_TRUE(again.undo());
 }
 
+TEST(DeformationSession, ReplaysAllOfATextOrNothing) {
+  const Tube tube;
+  auto session = tube.session(8);
+  bend(session);
+  ASSERT_TRUE(session.go_to(5));
+  ASSERT_TRUE(session.move({.spheres = {SphereId(2)}, .translate = {0, 0, 0.3}}));
+  EXPECT_EQ(session.steps(), 2U);
+  ASSERT_TRUE(session.undo());
+  const std::size_t steps = session.steps();
+  const auto before = positions(session);
+  const std::string text = session.text();
+  const std::string head = "armature deformation 1\nlevel 3\nmove spheres 1 translate 0 1 0\npin spheres 0\n";
+  // One line says nothing; one says what cannot be done, which only doing it tells.
+  for (const std::string wrong : {"move nothing\n", "move spheres 1 translate 0 1e200 0\n"}) {
+    ASSERT_TRUE(session.preview({.spheres = {SphereId(1)}, .translate = {0, 0.5, 0}}));
+    const auto replayed = session.replay(head + wrong, "s.txt");
+    ASSERT_FALSE(replayed);
+    EXPECT_EQ(replayed.error().message.find("s.txt, line 5: "), 0U) << replayed.error().message;
+    EXPECT_EQ(session.steps(), steps);
+    EXPECT_EQ(session.nodes().size(), 5U);
+    EXPECT_EQ(positions(session), before);
+    EXPECT_EQ(session.text(), text);
+    EXPECT_FALSE(session.is_pinned(SphereId(0)));
+  }
+  EXPECT_TRUE(session.redo()) << "what was undone before is still there";
+  EXPECT_TRUE(session.undo());
+  ASSERT_TRUE(session.replay(head, "s.txt"));
+  EXPECT_EQ(session.steps(), steps + 2);
+  EXPECT_FALSE(session.redo());
+}
+
 TEST(DeformationSession, RefusesTextsLineByLine) {
   const Tube tube;
   const std::string head = "armature deformation 1\n";

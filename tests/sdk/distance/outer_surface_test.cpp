@@ -16,6 +16,9 @@ SphereMesh balls(std::vector<Sphere> spheres) {
   return shape;
 }
 
+/// Askew, so that no wall lies as the grid of voids does.
+const Eigen::Matrix3d kAskew = Eigen::AngleAxisd(0.4, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+
 /// A random connected shape, with triangles and wire edges that meet and cross.
 SphereMesh tangle(std::size_t spheres, unsigned seed) {
   std::mt19937 random(seed);
@@ -149,6 +152,70 @@ TEST(OuterSurface, PointsWithoutRadiusAreAMesh) {
   const OuterSurface surface(hollow_box(0));
   EXPECT_NEAR(surface.signed_distance({0.2, 0.1, 3}), 2, 1e-12);
   EXPECT_TRUE(std::isfinite(surface.signed_distance({0.2, 0.1, 0.5})));
+}
+
+/// Points without radius and triangles: an L of arms that are 1 thick and 1 high.
+SphereMesh ell() {
+  SphereMesh shape;
+  const std::vector<Vector3d> outline = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+  for (const double z : {0.0, 1.0})
+    for (const Vector3d& corner : outline) shape.spheres.push_back({kAskew * (corner + z * Vector3d::UnitZ()), 0});
+  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+    std::array<std::size_t, 3> sorted = {a, b, c};
+    std::ranges::sort(sorted);
+    shape.triangles.push_back({SphereId(sorted[0]), SphereId(sorted[1]), SphereId(sorted[2])});
+  };
+  for (std::size_t k = 0; k < 6; ++k) {
+    add(k, (k + 1) % 6, k + 6);
+    add((k + 1) % 6, k + 6, (k + 1) % 6 + 6);
+  }
+  for (const std::size_t end : {0, 6}) {
+    add(end, end + 1, end + 3);
+    add(end + 1, end + 2, end + 3);
+    add(end, end + 3, end + 5);
+    add(end + 3, end + 4, end + 5);
+  }
+  std::ranges::sort(shape.triangles);
+  return shape;
+}
+
+TEST(OuterSurface, FromWithinALineWithoutThicknessIsSurfaceToo) {
+  const OuterSurface surface(ell());
+  ASSERT_TRUE(surface.has_cavities());
+  EXPECT_NEAR(surface.signed_distance(kAskew * Vector3d(0.9, 0.8, 0.5)), -std::hypot(0.1, 0.2), 1e-9)
+      << "the edge between the arms";
+  EXPECT_NEAR(surface.signed_distance(kAskew * Vector3d(0.3, 1.5, 0.5)), -0.3, 1e-9);
+}
+
+TEST(OuterSurface, ThinWallsAroundAVoidHideWhatIsWithin) {
+  // A wedge of walls a twelfth of a cell thick, near whose edge a cell ahead of the one wall is beyond the other.
+  constexpr double kRadius = 2e-4, kHalfAngle = 0.15;
+  SphereMesh shape;
+  for (const double z : {-0.5, 0.5})
+    for (const Vector3d& corner :
+         {Vector3d(0, 0, z), Vector3d(1, std::tan(kHalfAngle), z), Vector3d(1, -std::tan(kHalfAngle), z)})
+      shape.spheres.push_back({kAskew * corner, kRadius});
+  for (const auto& [a, b, c] : std::vector<std::array<int, 3>>{
+           {0, 1, 2}, {3, 4, 5}, {0, 1, 3}, {1, 3, 4}, {1, 2, 4}, {2, 4, 5}, {0, 2, 3}, {2, 3, 5}})
+    shape.triangles.push_back({SphereId(a), SphereId(b), SphereId(c)});
+  const OuterSurface surface(shape);
+  ASSERT_TRUE(surface.has_cavities());
+  for (double x = 0.005; x < 0.3; x += 0.005)
+    EXPECT_NEAR(surface.signed_distance(kAskew * Vector3d(x, 0, 0)), -(x * std::sin(kHalfAngle) + kRadius), 1e-6) << x;
+}
+
+TEST(OuterSurface, CreasesThatAreTracedWhenAskedLieWhereTheyWouldBeFoundBefore) {
+  for (const SphereMesh& shape : {tangle(12, 5), tangle(30, 3), hollow_box(0.2), hollow_box(0), ell()}) {
+    const OuterSurface found(shape), traced(shape, {.creases_when_asked = true});
+    EXPECT_TRUE(traced.creases().empty());
+    const auto [lower, upper] = found.tree().bounds();
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> u(0, 1);
+    for (int k = 0; k < 300; ++k) {
+      const Vector3d p = lower + Vector3d(u(random), u(random), u(random)).cwiseProduct(upper - lower);
+      EXPECT_NEAR(traced.signed_distance(p), found.signed_distance(p), 4e-6 * (upper - lower).norm());
+    }
+  }
 }
 
 TEST(OuterSurface, IsNotBuiltOnceItIsCancelled) {

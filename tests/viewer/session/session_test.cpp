@@ -106,6 +106,36 @@ TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
   EXPECT_EQ(session.report()["unmeasured"], why);
 }
 
+TEST(Errors, AreThoseOfTheLevelThatStandsInTheEnd) {
+  Session session;
+  auto model = std::make_shared<Model>();
+  sdk::Mesh square{.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {}};
+  square.triangles = {{sdk::VertexId(0), sdk::VertexId(1), sdk::VertexId(2)},
+                      {sdk::VertexId(0), sdk::VertexId(2), sdk::VertexId(3)}};
+  model->mesh = std::make_shared<const MeshShape>(square);
+  const auto ball = [](double radius) {
+    sdk::SphereMesh shape;
+    shape.spheres = {{{0.5, 0.5, 0}, radius}};
+    return shape;
+  };
+  model->set_spheres(ball(0.1));
+  session.add(model);
+  for (int i = 0; i < 3; ++i) session.update(session.now + 200ms);  // the first is being measured
+  model->set_spheres(ball(0.4));
+  const auto measured = [&](bool about) {
+    for (int i = 0; i < 30'000 && !(model->spheres->errors && model->spheres->errors->about == about); ++i) {
+      session.update(session.now + 200ms);
+      std::this_thread::sleep_for(1ms);
+    }
+    return model->spheres->errors;
+  };
+  const auto quick = measured(true), full = measured(false);
+  ASSERT_TRUE(quick && full);
+  EXPECT_NEAR(full->hausdorff, 100 * 0.4 / std::sqrt(2), 0.01) << "of the last one, at its top";
+  EXPECT_LE(quick->hausdorff, full->hausdorff);
+  EXPECT_NEAR(quick->mean_input_to_approximation / full->mean_input_to_approximation, 1, 0.02);
+}
+
 TEST(Models, ThatAreClosedGo) {
   Session session;
   auto model = std::make_shared<Model>();
@@ -141,6 +171,15 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   std::ofstream(file) << "# a script\ntool hammer\n";
   EXPECT_EQ(failure(Script({"open nothing.off"})).find("nothing.off"), 0U);
   EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: tool"), 0U);
+  // What a line begins belongs to it, whatever is done meanwhile.
+  std::ofstream(file) << "mode walk\nopen nothing.off\nmeanwhile mode shapes\nmeanwhile try tool hammer\n\nmode walk\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: nothing.off"), 0U);
+  std::ofstream(file)
+      << "try open nothing.off\nmeanwhile mode shapes\ntry wait 0.01 models 7\nmeanwhile mode walk\nfit\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))), "");
+  std::ofstream(file) << "wait 0.01 models 7\nmode walk\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 1: wait"), 0U);
+  std::ofstream(file) << "# a script\ntool hammer\n";
   Script both({"try open nothing.off", "mode walk"});
   both.append(*Script::read(file));
   EXPECT_EQ(failure(both).find(file + ", line 2: tool"), 0U);

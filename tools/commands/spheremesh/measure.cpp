@@ -17,6 +17,7 @@ namespace {
 struct Arguments {
   std::string mesh, approximation;
   std::size_t samples = sdk::MeasureOptions{}.samples;
+  bool quick = false;
   bool as_mesh = false;
   bool json = false;
 };
@@ -24,7 +25,7 @@ struct Arguments {
 Expected<sdk::ApproximationErrors> compare(const Arguments& arguments, SdkCall& call) {
   const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
   if (!mesh) return tl::unexpected(mesh.error());
-  const sdk::MeasureOptions options{.samples = arguments.samples};
+  const sdk::MeasureOptions options{.samples = arguments.samples, .quick = arguments.quick};
   const std::string where = arguments.mesh + ", " + arguments.approximation + ": ";
   const auto named = [&](auto result) {
     return std::move(result).map_error([&](sdk::Error&& error) { return Error{where + error.message}; });
@@ -64,6 +65,8 @@ void add_spheremesh_measure(CLI::App& spheremesh, Run& run) {
   command->add_option("--samples", arguments->samples, "points on either surface")
       ->check(CLI::Range(std::size_t{100}, std::size_t{100'000'000}))
       ->capture_default_str();
+  command->add_flag("--quick", arguments->quick,
+                    "seconds for a hundred thousand spheres; the Hausdorff distance is then a lower bound");
   command->add_flag("--mesh", arguments->as_mesh, "take SPHEREMESH for a triangle mesh, even if it names radii");
   command->add_flag("--json", arguments->json,
                     "one JSON object: hausdorff, mean_input_to_approximation, mean_approximation_to_input");

@@ -1,4 +1,5 @@
 // How shapes look, and their sphere-meshes.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -50,6 +51,18 @@ void draw_looks(Ui& ui, const Model& model) {
   }
 }
 
+std::string counted(std::size_t number, const char* thing) {
+  return fmt::format("{} {}{}", number, thing, number == 1 ? "" : "s");
+}
+
+/// With two digits that count, however small.
+std::string percent(double value) {
+  constexpr double kLeast = 1e-6;
+  if (value < kLeast) return fmt::format("under {:.6f}", kLeast);
+  const int before = static_cast<int>(std::floor(std::log10(value)));
+  return fmt::format("{:.{}f}", value, std::max(2, 1 - before));
+}
+
 void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
   LevelSlide& slide = ui.slide;
   if (spheres.hierarchy) {
@@ -69,19 +82,25 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
       ui.issue("level {}", slide.wanted);
     }
   }
-  ImGui::TextDisabled("%zu spheres, %zu edges, %zu triangles", spheres.shape.spheres.size(), spheres.shape.edges.size(),
-                      spheres.shape.triangles.size());
+  const sdk::SphereMesh& shape = spheres.shape;
+  const std::string parts = counted(shape.edges.size(), "edge") + ", " + counted(shape.triangles.size(), "triangle");
+  // The slider says how many spheres there are.
+  hint((spheres.hierarchy ? parts : counted(shape.spheres.size(), "sphere") + ", " + parts).c_str());
   if (!has_mesh || posed) return;
   if (spheres.errors) {
-    ImGui::Text("Error: mean %.2f %%, largest %.2f %%", spheres.errors->mean_input_to_approximation,
-                spheres.errors->hausdorff);
+    // Two lines always, so that nothing below moves.
+    const LevelErrors& errors = *spheres.errors;
+    ImGui::Text("Error: mean %s%s %%\nlargest %s%s %%", errors.about ? "about " : "",
+                percent(errors.mean_input_to_approximation).c_str(), errors.about ? "at least " : "",
+                percent(errors.hausdorff).c_str());
   } else if (spheres.unmeasured.empty()) {
-    ImGui::TextDisabled("Error: being measured");
+    ImGui::TextDisabled("Error: being measured\n ");
   } else {
-    ImGui::TextDisabled("Error: cannot be measured");
+    ImGui::TextDisabled("Error: cannot be measured\n ");
   }
-  explain(!spheres.unmeasured.empty()
-              ? spheres.unmeasured.c_str()
+  if (!spheres.unmeasured.empty()) return explain(spheres.unmeasured.c_str());
+  explain(spheres.errors && spheres.errors->about
+              ? "Distance from the mesh to the sphere-mesh at some thousand points, of the diagonal of its bounding box"
               : "Distance from the mesh to the sphere-mesh, of the diagonal of its bounding box");
 }
 

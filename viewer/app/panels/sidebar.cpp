@@ -148,6 +148,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
         "Click a spot: colours show what is like it. Alt moves the camera."};
     ImGui::AlignTextToFramePadding();
     hint(session.mode == Mode::Walk ? "W A S D or arrow keys walk, or drag in the view."
+         : session.models.empty()   ? "Ctrl+O opens a file. Tab hides what is on the left."
                                     : kHints[static_cast<std::size_t>(session.tool)]);
   }
   ImGui::End();

@@ -58,14 +58,12 @@ Done wait(Session& session, Arguments& arguments) {
   const std::string expected = name.empty() ? "" : arguments.word("value");
   if (auto checked = arguments.check(); !checked) return checked;
   const auto until = session.now + std::chrono::duration_cast<Session::Time>(std::chrono::duration<double>(seconds));
-  session.waiting = [&session, until, name, expected] {
+  session.waiting = [&session, until, name, expected, origin = session.origin] {
     if (!name.empty() && holds(fact(session, name), expected, 0)) return true;
     if (session.now < until) return false;
     if (!name.empty()) {
-      session.tell(
-          fmt::format("wait: {} is still {}, expected {}", name, as_word(fact(session, name)), as_word(expected)),
-          true);
-      session.failed = !session.forgiving;
+      session.tell_failure(origin, fmt::format("wait: {} is still {}, expected {}", name, as_word(fact(session, name)),
+                                               as_word(expected)));
     }
     return true;
   };

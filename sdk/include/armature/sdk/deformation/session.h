@@ -87,10 +87,14 @@ class DeformationSession {
   /// Does again what was undone last; false, and nothing, if there is none.
   bool redo();
 
+  /// How many steps there are to undo.
+  [[nodiscard]] std::size_t steps() const noexcept { return done_.size(); }
+
   /// All steps as text, one a line, with the level of each: see `replay()`.
   [[nodiscard]] std::string text() const;
-  /// Carries out the steps of such a text, as far as there is nothing wrong; fails with `name`, the line and what was
-  /// expected. Numbers are in the units of the model, spheres count from 0.
+  /// Carries out the steps of such a text, all or none: its lines are checked before anything is done, and what proves
+  /// impossible later is taken back, level and steps to redo included. Fails with `name`, the line and what was
+  /// expected; a preview is dropped then, too. Numbers are in the units of the model, spheres count from 0.
   ///   armature deformation 1
   ///   vertices 24955
   ///   level 40
@@ -113,7 +117,12 @@ class DeformationSession {
     std::vector<NodeId> nodes = {};            // whose pin changed
   };
 
+  struct Line;  // of a text, that was checked
+  [[nodiscard]] Expected<std::vector<Line>> lines_of(std::string_view text, std::string_view name) const;
+  [[nodiscard]] Expected<void> carry_out(const Line& line);
+
   DeformationSession(const Hierarchy& hierarchy, HeatDiffusion diffusion, const Mesh& mesh, DeformOptions options);
+  [[nodiscard]] Expected<void> check_level(std::size_t spheres) const;
   void show_level(std::size_t spheres);
   void weigh();
   void fit();

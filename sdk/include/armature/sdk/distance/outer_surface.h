@@ -22,6 +22,9 @@ struct OuterSurfaceOptions {
   /// Cells along the longest side of the bounding box of the grid that tells closed voids: one whose way out is
   /// narrower than a cell counts as closed.
   int cavity_grid = 256;
+  /// Creases are traced around each point that is asked about, not all of them beforehand: the same distances, sooner
+  /// for a few thousand points of very many spheres. creases() is then empty.
+  bool creases_when_asked = false;
 };
 
 /// A point of the outer surface of a sphere-mesh.

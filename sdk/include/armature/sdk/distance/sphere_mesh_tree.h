@@ -33,6 +33,8 @@ struct SphereMeshHit {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward, of unit length
 };
 
+class OuterSurface;
+
 /// Distances and ray hits against the union of all interpolated spheres of a sphere-mesh, over a hierarchy of boxes of
 /// its spheres, edges and triangles. It keeps what it needs: the sphere-mesh may change or go. Queries are thread-safe.
 class SphereMeshTree {
@@ -57,6 +59,7 @@ class SphereMeshTree {
   [[nodiscard]] std::array<Eigen::Vector3d, 2> bounds() const noexcept;
 
  private:
+  friend class OuterSurface;  // looks through the same pieces and boxes
   struct State;
   std::unique_ptr<const State> state_;
 };
