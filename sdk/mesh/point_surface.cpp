@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -88,6 +89,11 @@ class CellPolygon {
   std::vector<Corner> corners_, cut_;
 };
 
+void keep_one_of_each(auto& list) {
+  std::ranges::sort(list);
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
 /// Joins points that are there once each and have normals.
 class Joiner {
  public:
@@ -115,7 +121,7 @@ class Joiner {
   void join(Mesh& mesh) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::array<std::uint32_t, 2>> edges;
-    std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> perhaps;
+    std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> through;
     for (std::uint32_t i = 0; i < names_.size(); ++i) {
       const auto& ring = cells_[i].ring;
       for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -126,13 +132,13 @@ class Joiner {
         if (b != kNobody && b != a) triangles.push_back({i, a, b});
       }
       for (const std::uint32_t a : near_[i].all())
-        if (through_the_solid(i, a)) perhaps.emplace_back((place(a) - place(i)).norm(), i, a);
+        if (through_the_solid(i, a)) through.emplace_back((place(a) - place(i)).norm(), i, a);
     }
-    // The same triangle is found from each of its corners.
+    // The same is found from every corner.
     for (auto& t : triangles) std::ranges::rotate(t, std::ranges::min_element(t));
-    std::ranges::sort(triangles);
-    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-    for (const auto& pair : edges_between_parts(edges, perhaps)) edges.push_back(pair);
+    keep_one_of_each(triangles);
+    keep_one_of_each(edges);
+    for (const auto& pair : edges_between_parts(edges, through)) edges.push_back(pair);
 
     std::vector<std::array<std::uint32_t, 2>> sides;
     for (const auto& t : triangles)
@@ -164,10 +170,6 @@ class Joiner {
   }
   [[nodiscard]] const Vector3d& place(std::uint32_t i) const { return places_[i]; }
   [[nodiscard]] const Vector3d& normal(std::uint32_t i) const { return points_.normals[names_[i]]; }
-  [[nodiscard]] bool finds(std::uint32_t i, std::uint32_t other) const {
-    return std::ranges::find(cells_[i].ring, other) != cells_[i].ring.end();
-  }
-
   /// Each behind the other, as the sides of a sheet are.
   [[nodiscard]] bool through_the_solid(std::uint32_t a, std::uint32_t b) const {
     const Vector3d way = place(b) - place(a);
@@ -183,15 +185,17 @@ class Joiner {
     std::ranges::nth_element(rings, middle);
     CellPolygon polygon(kReach * *middle);
     const Vector3d& n = normal(i);
-    const Vector3d u = n.unitOrthogonal();
-    const Vector3d v = n.cross(u);
+    // The disc's corners are laid out from the closest neighbour on, so that the cell turns with the points.
+    std::optional<Vector3d> u;
     for (const std::uint32_t other : near.all()) {
       const Vector3d way = place(other) - place(i);
       const double distance = way.norm();
       if (!polygon.reaches(distance)) break;
-      if (n.dot(normal(other)) < kOtherSide) continue;
-      const Vector2d along(u.dot(way), v.dot(way));
-      if (const double flat = along.norm(); flat >= kSteep * distance) polygon.cut(distance / flat * along, other);
+      const Vector3d flat = way - n.dot(way) * n;
+      if (n.dot(normal(other)) < kOtherSide || !(flat.norm() > kSteep * distance)) continue;
+      if (!u) u = flat.normalized();
+      const Vector2d along(u->dot(flat), n.cross(*u).dot(flat));
+      polygon.cut(distance * along.normalized(), other);
     }
     return polygon.cell();
   }
@@ -199,7 +203,7 @@ class Joiner {
   /// The shortest of edges that join what others leave apart.
   [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> edges_between_parts(
       const std::vector<std::array<std::uint32_t, 2>>& edges,
-      std::vector<std::tuple<double, std::uint32_t, std::uint32_t>>& perhaps) const {
+      std::vector<std::tuple<double, std::uint32_t, std::uint32_t>>& through) const {
     std::vector<std::uint32_t> into(names_.size());
     std::iota(into.begin(), into.end(), 0U);
     const auto part = [&](std::uint32_t i) {
@@ -207,9 +211,9 @@ class Joiner {
       return i;
     };
     for (const auto& [a, b] : edges) into[part(a)] = part(b);
-    std::ranges::sort(perhaps);
+    std::ranges::sort(through);
     std::vector<std::array<std::uint32_t, 2>> joined;
-    for (const auto& [length, a, b] : perhaps) {
+    for (const auto& [length, a, b] : through) {
       if (part(a) == part(b)) continue;
       into[part(a)] = part(b);
       joined.push_back({std::min(a, b), std::max(a, b)});

@@ -17,10 +17,10 @@ struct PointSurface {
 
 /// Joins every point to those whose cells touch its own: its neighbours, laid out in its tangent plane at their true
 /// distances, cut it out of a disc by bisectors (a Voronoi cell; after the localised triangulation of Gopi, Krishnan,
-/// Silva 2000). Neighbours are the 16 closest that face no other side (normals more than 120 degrees apart are of the
-/// other side of a thin sheet, or of what is behind a gap). Points are joined if each finds the other; triangles are
-/// joined points in turn about one. The area of the cell is the point's unless `points` has areas. What stays apart is
-/// joined by the shortest edge of those that only one end finds, and of those through the solid to another side.
+/// Silva 2000). Neighbours are the 24 closest that face no other side (normals more than 120 degrees apart are of the
+/// other side of a thin sheet, or of what is behind a gap); the disc reaches to the sixth. Points are joined if either
+/// finds the other, and triangles are those that follow one another about one. The area of the cell is the point's
+/// unless `points` has areas. Parts that touch back to back are joined by the shortest edge through the solid.
 /// Points at one place are joined and share a cell; points without a normal are joined to nothing and have no area.
 /// Time n log n; the same on any number of threads. Refused: what `validate()` refuses, no points, no normals.
 [[nodiscard]] Expected<PointSurface> surface_of(PointSet points, const Task& task = {});

@@ -93,14 +93,9 @@ sdk::Expected<std::unique_ptr<sdk::Descriptor>> gls_of(const sdk::PointSet& poin
   if (!fits) return tl::unexpected(fits.error());
   return sdk::gls_descriptor(*fits, aggregation, task);
 }
-sdk::Expected<std::unique_ptr<sdk::Descriptor>> quadric_of(const sdk::PointSet& points, const sdk::Task&) {
-  return sdk::quadric_descriptor(points);
-}
 using MakePointDescriptor = sdk::Expected<std::unique_ptr<sdk::Descriptor>> (*)(const sdk::PointSet&, const sdk::Task&);
-constexpr std::array<std::pair<const char*, MakePointDescriptor>, 3> kPointMaps = {
-    {{"gls", gls_of<sdk::GlsAggregation::Mean>},
-     {"gls-histogram", gls_of<sdk::GlsAggregation::Histograms>},
-     {"quadric", quadric_of}}};
+constexpr std::array<std::pair<const char*, MakePointDescriptor>, 2> kPointMaps = {
+    {{"gls", gls_of<sdk::GlsAggregation::Mean>}, {"gls-histogram", gls_of<sdk::GlsAggregation::Histograms>}}};
 
 /// The descriptor of every vertex by name.
 template <sdk::GlsAggregation aggregation>
@@ -299,8 +294,7 @@ Expected<void> edit_points(const Arguments& arguments, const sdk::PointSet& poin
     return refuse("--op displace and paint work on points, the others on meshes");
   if (arguments.expand > 0) return refuse("--expand needs a mesh; leave it out to edit by the map");
   const auto map = std::ranges::find(kPointMaps, arguments.map, [](const auto& known) { return known.first; });
-  if (map == kPointMaps.end())
-    return refuse("--map gls, gls-histogram and quadric work on points, the others on meshes");
+  if (map == kPointMaps.end()) return refuse("--map gls and gls-histogram work on points, the others on meshes");
   const auto gesture = read_gesture(arguments.gesture, 0);
   if (!gesture) return tl::unexpected(gesture.error());
   const auto* patch = std::get_if<PatchGesture>(&*gesture);
@@ -377,10 +371,12 @@ void add_edit(CLI::App& app, Run& run) {
   command->footer(
       "By a map: displace, smooth, sharpen, paint. By regions (--expand): displace, smooth, paint, pull (a handle in\n"
       "the middle), copy (the others take the selection's shape), alike (towards their mean; away for a negative\n"
-      "amount). Regions are edited up to their boundary, where the edit has faded.\n\n"
+      "amount). Regions are edited up to their boundary, where the edit has faded. Points, which have no faces, are\n"
+      "displaced and painted by --map gls or gls-histogram, from a gesture of the tool patch.\n\n"
       "Examples:\n"
       "  echo '{\"tool\":\"component\",\"face\":0}' > click.json\n"
       "  armature edit engine.obj larger.obj --gesture click.json --op displace --amount 0.01 --expand 8\n"
+      "  armature edit scan.xyz map.ply --gesture patch.json --op paint --amount 1\n"
       "  armature edit cow.obj bumpy.obj --gesture patch.json --map wks --op displace --amount 0.02");
   command->callback([arguments, &run] { run = [arguments] { return run_edit(*arguments); }; });
 }
