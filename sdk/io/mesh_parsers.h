@@ -10,7 +10,7 @@
 namespace armature::sdk {
 
 // One parser a format, one source file a parser. Each takes the bytes of a whole file; `name` stands for it in
-// messages.
+// messages. Points without normals are for the caller to refuse.
 [[nodiscard]] Expected<MeshOrPoints> parse_obj(std::string_view text, std::string_view name, const Task& task);
 [[nodiscard]] Expected<MeshOrPoints> parse_off(std::string_view text, std::string_view name, const Task& task);
 [[nodiscard]] Expected<MeshOrPoints> parse_ply(std::string_view bytes, std::string_view name, const Task& task);

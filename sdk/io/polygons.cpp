@@ -38,8 +38,6 @@ Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task
 Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, const Task& task) {
   const std::size_t count = polygons.positions.size();
   if (!polygons.counts.empty() || count == 0) return triangulated(std::move(polygons), name, task);
-  if (polygons.normals.empty())
-    return fail(std::string(name) + ": expected at least one face, or a normal for every point; it has neither");
   PointSet points;
   points.positions = std::move(polygons.positions);
   points.normals = std::move(polygons.normals);

@@ -34,7 +34,7 @@ struct Polygons {
 /// without a face and when asked to stop.
 [[nodiscard]] Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task& task);
 
-/// The same, or points where there is no polygon and every position has a normal.
+/// The same, or points where there are positions and no polygon; with normals where all have one, else without any.
 [[nodiscard]] Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, const Task& task);
 
 /// What is wrong with a normal of a file, and what to do; empty if it has a direction. Else it comes out of unit

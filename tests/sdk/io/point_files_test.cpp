@@ -121,7 +121,7 @@ TEST(PointFiles, ThatAreWrongAreRefusedWithThePlaceAndWhatToDo) {
   EXPECT_EQ(message_of("v 0 0 0\nvn 0 1\n", MeshFormat::Obj),
             "scan, line 2: expected three numbers of a normal; the line ends here");
   EXPECT_EQ(message_of("v 0 0 0\n", MeshFormat::Obj),
-            "scan: expected at least one face, or a normal for every point; it has neither");
+            "scan: expected at least one face, or a normal for every point; it has neither: estimate normals first");
   EXPECT_EQ(message_of("NOFF\n1 0 0\n0 0 0 0 1\n", MeshFormat::Off),
             "scan, line 3: expected three coordinates and a normal; the line ends here");
   const std::string head =
