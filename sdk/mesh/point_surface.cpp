@@ -135,7 +135,7 @@ class Joiner {
         if (through_the_solid(i, a)) through.emplace_back((place(a) - place(i)).norm(), i, a);
     }
     // The same is found from every corner.
-    for (auto& t : triangles) std::ranges::rotate(t, std::ranges::min_element(t));
+    for (auto& t : triangles) std::rotate(t.begin(), std::ranges::min_element(t), t.end());
     keep_one_of_each(triangles);
     keep_one_of_each(edges);
     for (const auto& pair : edges_between_parts(edges, through)) edges.push_back(pair);
