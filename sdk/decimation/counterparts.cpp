@@ -12,8 +12,8 @@
 #include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/mesh/components.h>
 
-#include "sdk/descriptors/nearest_point.h"
 #include "sdk/hierarchy/collapse_complex.h"
+#include "sdk/mesh/nearest_point.h"
 
 namespace armature::sdk {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "sdk/decimation/similar_regions.h"
 #include "sdk/hierarchy/build_with.h"
+#include "sdk/mesh/point_surface.h"
 
 namespace armature::sdk {
 namespace {
@@ -44,13 +45,7 @@ Expected<std::unique_ptr<SimilarRegions>> similar_regions(const Mesh& mesh, cons
   return std::make_unique<SimilarRegions>(descriptor, classes, options);
 }
 
-}  // namespace
-
-Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const SimilarityOptions& options,
-                                                        const Task& task) {
-  if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
-  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(mesh);
-  PointSet points = point_set_of(mesh);
+Expected<std::unique_ptr<Descriptor>> gls_of(PointSet points, const SimilarityOptions& options, const Task& task) {
   std::vector<double> scales = gls_scales(points, options.scales);
   // At one place everything is alike.
   if (scales.empty()) scales = {1};
@@ -64,40 +59,79 @@ Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const 
   }
 }
 
-Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
-                                               const HierarchyOptions& options, const SimilarityOptions& similarity,
-                                               const Task& task) {
+Expected<SimilarBuild> build_similar(const Fitted& shape, const Descriptor& descriptor, const HierarchyOptions& options,
+                                     const SimilarityOptions& similarity, const Task& task) {
   if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
-  if (descriptor.size() != mesh.positions.size())
-    return fail("descriptor: expected one of the mesh's " + std::to_string(mesh.positions.size()) +
+  if (descriptor.size() != shape.mesh.positions.size())
+    return fail("descriptor: expected one of the mesh's " + std::to_string(shape.mesh.positions.size()) +
                 " vertices, found one of " + std::to_string(descriptor.size()));
   SimilarBuild result;
   std::unique_ptr<SimilarRegions> regions;
   if (!does_one_at_a_time(similarity)) {
-    auto made = similar_regions(mesh, descriptor, similarity, result.counterparts_ms, task);
+    auto made = similar_regions(shape.mesh, descriptor, similarity, result.counterparts_ms, task);
     if (!made) return tl::unexpected(made.error());
     regions = std::move(*made);
   }
-  auto build = build_hierarchy_with(regions.get(), mesh, options, task);
+  auto build = build_hierarchy_with(regions.get(), shape, options, task);
   if (!build) return tl::unexpected(build.error());
   result.build = std::move(*build);
   return result;
 }
 
-Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options,
-                                               const SimilarityOptions& similarity, const Task& task) {
+Expected<SimilarBuild> build_similar(const Fitted& shape, const HierarchyOptions& options,
+                                     const SimilarityOptions& similarity, const Task& task) {
   if (auto fine = checked(similarity); !fine) return tl::unexpected(fine.error());
-  if (does_one_at_a_time(similarity) || mesh.positions.empty()) {
-    auto plain = build_hierarchy(mesh, options, task);
+  if (does_one_at_a_time(similarity) || shape.mesh.positions.empty()) {
+    auto plain = build_hierarchy_with(nullptr, shape, options, task);
     if (!plain) return tl::unexpected(plain.error());
     return SimilarBuild{.build = std::move(*plain)};
   }
   const auto start = Clock::now();
-  const auto descriptor = region_descriptor(mesh, similarity, task);
+  const auto descriptor = shape.points != nullptr ? region_descriptor(*shape.points, similarity, task)
+                                                  : region_descriptor(shape.mesh, similarity, task);
   if (!descriptor) return tl::unexpected(descriptor.error());
   const double descriptor_ms = milliseconds_since(start);
-  auto result = build_similar_hierarchy(mesh, **descriptor, options, similarity, task);
+  auto result = build_similar(shape, **descriptor, options, similarity, task);
   if (result) result->descriptor_ms = descriptor_ms;
+  return result;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const SimilarityOptions& options,
+                                                        const Task& task) {
+  if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
+  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(mesh);
+  return gls_of(point_set_of(mesh), options, task);
+}
+
+Expected<std::unique_ptr<Descriptor>> region_descriptor(const PointSet& points, const SimilarityOptions& options,
+                                                        const Task& task) {
+  if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
+  if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
+  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(points);
+  return gls_of(points, options, task);
+}
+
+Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,
+                                               const HierarchyOptions& options, const SimilarityOptions& similarity,
+                                               const Task& task) {
+  return build_similar({mesh}, descriptor, options, similarity, task);
+}
+
+Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options,
+                                               const SimilarityOptions& similarity, const Task& task) {
+  return build_similar({mesh}, options, similarity, task);
+}
+
+Expected<SimilarBuild> build_similar_hierarchy(const PointSet& points, const HierarchyOptions& options,
+                                               const SimilarityOptions& similarity, const Task& task) {
+  const auto start = Clock::now();
+  const auto surface = surface_of(points, task);
+  if (!surface) return tl::unexpected(surface.error());
+  const double joining_ms = milliseconds_since(start);
+  auto result = build_similar({surface->mesh, &surface->points}, options, similarity, task);
+  if (result) result->build.statistics.init_ms += joining_ms;
   return result;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <armature/sdk/descriptors/point_set.h>
+#include <armature/sdk/mesh/point_set.h>
 
 #include "sdk/descriptors/gls_fit.h"
 

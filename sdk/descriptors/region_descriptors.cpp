@@ -11,6 +11,13 @@
 namespace armature::sdk {
 namespace {
 
+constexpr std::size_t kEntries = 6;
+
+/// n n', as xx, yy, zz, xy, xz, yz.
+std::array<double, kEntries> squares(const Eigen::Vector3d& n) noexcept {
+  return {n.x() * n.x(), n.y() * n.y(), n.z() * n.z(), n.x() * n.y(), n.x() * n.z(), n.y() * n.z()};
+}
+
 /// The integral of n n', as xx, yy, zz, xy, xz, yz; what it has of the planes' quadric is the same anywhere.
 class Quadrics final : public AreaMeans {
  public:
@@ -52,16 +59,13 @@ class MeanHistograms final : public AreaMeans {
 }  // namespace
 
 std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh) {
-  constexpr std::size_t kEntries = 6;
   const std::size_t n = mesh.positions.size();
   std::vector<double> sums(n * kEntries, 0.0);
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     const Eigen::Vector3d area = area_vector(mesh, FaceId(f));
     const double length = area.norm();
     if (!(length > 0)) continue;
-    const Eigen::Vector3d n0 = area / length;
-    const std::array<double, kEntries> nn = {n0.x() * n0.x(), n0.y() * n0.y(), n0.z() * n0.z(),
-                                             n0.x() * n0.y(), n0.x() * n0.z(), n0.y() * n0.z()};
+    const auto nn = squares(area / length);
     for (const VertexId v : mesh.triangles[f])
       for (std::size_t k = 0; k < kEntries; ++k) sums[v.index() * kEntries + k] += length / 3 * nn[k];
   }
@@ -70,6 +74,15 @@ std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh) {
   for (std::size_t k = 0; k < sums.size(); ++k)
     if (areas[k / kEntries] > 0) means[k] = static_cast<float>(sums[k] / areas[k / kEntries]);
   return std::make_unique<Quadrics>(std::move(means), kEntries, areas);
+}
+
+std::unique_ptr<Descriptor> quadric_descriptor(const PointSet& points) {
+  std::vector<float> values;
+  values.reserve(points.positions.size() * kEntries);
+  for (const Eigen::Vector3d& normal : points.normals)
+    for (const double entry : squares(normal)) values.push_back(static_cast<float>(entry));
+  const std::vector<double> alike(points.areas.empty() ? points.positions.size() : 0, 1.0);
+  return std::make_unique<Quadrics>(std::move(values), kEntries, points.areas.empty() ? alike : points.areas);
 }
 
 Expected<std::unique_ptr<Descriptor>> patch_shape_context(const Surface& surface, const PatchContexts& contexts,

@@ -136,16 +136,13 @@ Expected<double> diagonal_of_input(const Mesh& input) {
   return diagonal;
 }
 
-}  // namespace
-
-std::vector<Vector3d> sample_surface(const Mesh& mesh, std::size_t count) {
+/// `take(face, point)` is called with every sample, face by face; false if the mesh has no area.
+template <class Take>
+bool for_samples(const Mesh& mesh, std::size_t count, Take&& take) {
   const std::vector<double> areas = face_areas(mesh);
   double total = 0;
   for (const double area : areas) total += area;
-  if (!(total > 0)) return corners_of_faces(mesh);
-
-  std::vector<Vector3d> points;
-  points.reserve(count + 1);
+  if (!(total > 0)) return false;
   double before = 0;
   for (std::size_t f = 0; f < areas.size(); ++f) {
     const auto share = [&](double area) {
@@ -162,10 +159,32 @@ std::vector<Vector3d> sample_surface(const Mesh& mesh, std::size_t count) {
         u = 1 - u;
         v = 1 - v;
       }
-      points.push_back((1 - u - v) * mesh.corner(FaceId(f), 0) + u * mesh.corner(FaceId(f), 1) +
-                       v * mesh.corner(FaceId(f), 2));
+      take(FaceId(f), Vector3d((1 - u - v) * mesh.corner(FaceId(f), 0) + u * mesh.corner(FaceId(f), 1) +
+                               v * mesh.corner(FaceId(f), 2)));
     }
   }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Vector3d> sample_surface(const Mesh& mesh, std::size_t count) {
+  std::vector<Vector3d> points;
+  points.reserve(count + 1);
+  if (!for_samples(mesh, count, [&](FaceId, const Vector3d& point) { points.push_back(point); }))
+    return corners_of_faces(mesh);
+  return points;
+}
+
+PointSet sample_points(const Mesh& mesh, std::size_t count) {
+  PointSet points;
+  if (for_samples(mesh, count, [&](FaceId face, const Vector3d& point) {
+        points.positions.push_back(point);
+        points.normals.push_back(area_vector(mesh, face).normalized());
+      }))
+    return points;
+  points.positions = corners_of_faces(mesh);
+  points.normals.assign(points.positions.size(), Vector3d::Zero());
   return points;
 }
 

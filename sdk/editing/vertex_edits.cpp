@@ -11,10 +11,26 @@ namespace {
 
 constexpr double kHeld = 1e-3;
 
-Expected<void> one_a_vertex(const Mesh& mesh, std::span<const double> weights) {
-  if (weights.size() == mesh.positions.size()) return {};
-  return fail("weights: expected one a vertex, " + std::to_string(mesh.positions.size()) + ", found " +
+Expected<void> one_a_vertex(std::size_t vertices, std::span<const double> weights) {
+  if (weights.size() == vertices) return {};
+  return fail("weights: expected one a vertex, " + std::to_string(vertices) + ", found " +
               std::to_string(weights.size()));
+}
+
+void displace(std::vector<Eigen::Vector3d>& positions, std::span<const Eigen::Vector3d> normals,
+              std::span<const double> weights, double distance) {
+  for (std::size_t v = 0; v < weights.size(); ++v) positions[v] += weights[v] * distance * normals[v];
+}
+
+void paint(std::vector<Colour>& colours, std::span<const double> weights, const Colour& colour) {
+  if (colours.empty()) colours.assign(weights.size(), kPlainColour);
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    const double weight = weights[v] > 0 ? std::min(weights[v], 1.0) : 0;
+    for (std::size_t k = 0; k < colour.size(); ++k) {
+      auto& own = colours[v][k];
+      own = static_cast<std::uint8_t>(std::lround(own + weight * (colour[k] - own)));
+    }
+  }
 }
 
 }  // namespace
@@ -32,16 +48,23 @@ std::vector<double> edit_weights(std::span<const float> similarity, const Transf
 }
 
 Expected<Mesh> displaced(const Mesh& mesh, std::span<const double> weights, double distance) {
-  if (auto fits = one_a_vertex(mesh, weights); !fits) return tl::unexpected(fits.error());
-  const auto normals = vertex_normals(mesh);
+  if (auto fits = one_a_vertex(mesh.positions.size(), weights); !fits) return tl::unexpected(fits.error());
   Mesh result = mesh;
-  for (std::size_t v = 0; v < weights.size(); ++v) result.positions[v] += weights[v] * distance * normals[v];
+  displace(result.positions, vertex_normals(mesh), weights, distance);
+  return result;
+}
+
+Expected<PointSet> displaced(const PointSet& points, std::span<const double> weights, double distance) {
+  if (auto fits = one_a_vertex(points.positions.size(), weights); !fits) return tl::unexpected(fits.error());
+  if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
+  PointSet result = points;
+  displace(result.positions, points.normals, weights, distance);
   return result;
 }
 
 Expected<Mesh> smoothed(const Mesh& mesh, const Laplacian& laplacian, std::span<const double> weights, double length,
                         const Task& task) {
-  if (auto fits = one_a_vertex(mesh, weights); !fits) return tl::unexpected(fits.error());
+  if (auto fits = one_a_vertex(mesh.positions.size(), weights); !fits) return tl::unexpected(fits.error());
   const auto n = static_cast<Eigen::Index>(mesh.positions.size());
   const auto held = [&](Eigen::Index v) {
     return !(weights[static_cast<std::size_t>(v)] >= kHeld) || !(laplacian.mass[v] > 0);
@@ -82,17 +105,18 @@ Expected<Mesh> sharpened(const Mesh& mesh, const Laplacian& laplacian, std::span
 }
 
 Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const Colour& colour) {
-  if (auto fits = one_a_vertex(mesh, weights); !fits) return tl::unexpected(fits.error());
+  if (auto fits = one_a_vertex(mesh.positions.size(), weights); !fits) return tl::unexpected(fits.error());
   Mesh result = mesh;
   result.face_colours.clear();
-  if (result.vertex_colours.empty()) result.vertex_colours.assign(mesh.positions.size(), kPlainColour);
-  for (std::size_t v = 0; v < weights.size(); ++v) {
-    const double weight = weights[v] > 0 ? std::min(weights[v], 1.0) : 0;
-    for (std::size_t k = 0; k < colour.size(); ++k) {
-      auto& own = result.vertex_colours[v][k];
-      own = static_cast<std::uint8_t>(std::lround(own + weight * (colour[k] - own)));
-    }
-  }
+  paint(result.vertex_colours, weights, colour);
+  return result;
+}
+
+Expected<PointSet> painted(const PointSet& points, std::span<const double> weights, const Colour& colour) {
+  if (auto fits = one_a_vertex(points.positions.size(), weights); !fits) return tl::unexpected(fits.error());
+  if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
+  PointSet result = points;
+  paint(result.colours, weights, colour);
   return result;
 }
 

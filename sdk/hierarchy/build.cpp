@@ -17,6 +17,7 @@
 #include "sdk/hierarchy/recorder.h"
 #include "sdk/hierarchy/sqem_metric.h"
 #include "sdk/hierarchy/staves.h"
+#include "sdk/mesh/point_surface.h"
 
 namespace armature::sdk {
 namespace {
@@ -28,7 +29,8 @@ double milliseconds_since(Clock::time_point start) {
 }
 
 /// What is wrong with the options, or nothing.
-std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
+std::string fault(const Fitted& shape, const HierarchyOptions& options) {
+  const Mesh& mesh = shape.mesh;
   const auto count = [](std::size_t n) { return std::to_string(n); };
   if (!(options.importance >= 0) || !std::isfinite(options.importance)) return "importance: expected 0 or more";
   if (!(options.regularise >= 0) || !std::isfinite(options.regularise)) return "regularise: expected 0 or more";
@@ -38,6 +40,9 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
     return "radius per width: expected 0 or more";
   if (!(options.enrichment >= 0) || !std::isfinite(options.enrichment)) return "enrichment: expected 0 or more";
   if (options.enrichment > 0 && options.keep_topology) return "enrichment: expected 0 where the topology is kept";
+  if (shape.points != nullptr && options.weights.empty() && options.importance > 0)
+    return "importance: expected 0 for points, which have no faces to tell their curvature by, or weights";
+  if (shape.points != nullptr && options.keep_topology) return "keep topology: points have none to keep; leave it out";
   if (!options.weights.empty() && options.weights.size() != mesh.positions.size())
     return "weights: expected one a vertex, " + count(mesh.positions.size()) + ", found " +
            count(options.weights.size());
@@ -63,9 +68,10 @@ std::string fault(const Mesh& mesh, const HierarchyOptions& options) {
 /// All that decimation works with; gone before the hierarchy is put together, which takes less.
 class Builder {
  public:
-  Builder(const Mesh& mesh, const HierarchyOptions& options, std::span<const double> weights, SimilarCollapses* similar)
+  Builder(const Fitted& shape, const HierarchyOptions& options, std::span<const double> weights,
+          SimilarCollapses* similar)
       : options_(options),
-        shape_(NormalisedShape::of(mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model)),
+        shape_(NormalisedShape::of(shape.mesh, options.own_frame ? ShapeFrame::Own : ShapeFrame::Model, shape.points)),
         metric_(shape_, {.weights = weights,
                          .regularise = options.regularise,
                          .compactness = options.compactness.value_or(0),
@@ -90,6 +96,8 @@ class Builder {
     if (!options.keep_topology) add_links(links_through_the_solid(shape_, options.enrichment));
     shape_.positions = {};
     shape_.triangles = {};
+    shape_.normals = {};
+    shape_.areas = {};
     decimation_.offer(0);
   }
 
@@ -170,14 +178,21 @@ class Builder {
 }  // namespace
 
 Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options, const Task& task) {
-  return build_hierarchy_with(nullptr, mesh, options, task);
+  return build_hierarchy_with(nullptr, {mesh}, options, task);
 }
 
-Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const Mesh& mesh,
+Expected<HierarchyBuild> build_hierarchy(const PointSet& points, const HierarchyOptions& options, const Task& task) {
+  const auto surface = surface_of(points, task);
+  if (!surface) return tl::unexpected(surface.error());
+  return build_hierarchy_with(nullptr, {surface->mesh, &surface->points}, options, task);
+}
+
+Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const Fitted& shape,
                                               const HierarchyOptions& options, const Task& task) {
+  const Mesh& mesh = shape.mesh;
   if (const auto wrong = CollapseComplex::refuses(mesh.positions.size(), mesh.triangles.size()); !wrong.empty())
     return fail(wrong);
-  if (const auto wrong = fault(mesh, options); !wrong.empty()) return fail(wrong);
+  if (const auto wrong = fault(shape, options); !wrong.empty()) return fail(wrong);
   const auto start = Clock::now();
   std::vector<double> curved;
   std::span<const double> weights = options.weights;
@@ -189,7 +204,7 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
   }
   if (task.stopped()) return cancelled();
   HierarchyOptions settled = options;
-  auto builder = std::make_unique<Builder>(mesh, settled, weights, similar);
+  auto builder = std::make_unique<Builder>(shape, settled, weights, similar);
   HierarchyBuild build;
   build.statistics.init_ms = milliseconds_since(start);
 
@@ -202,7 +217,7 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
       constexpr double kAcross = 0.01;
       builder.reset();
       settled.compactness = kAcross;
-      builder = std::make_unique<Builder>(mesh, settled, weights, similar);
+      builder = std::make_unique<Builder>(shape, settled, weights, similar);
       if (!builder->decimate("decimating across", task)) return cancelled();
     }
   }
@@ -210,10 +225,10 @@ Expected<HierarchyBuild> build_hierarchy_with(SimilarCollapses* similar, const M
   build.statistics.decimate_ms = milliseconds_since(decimating);
   build.statistics.collapses = builder->collapses();
 
-  const NormalisedShape shape = builder->take_shape();
+  const NormalisedShape normalised = builder->take_shape();
   Recorder recorder = builder->take_recorder();
   builder.reset();
-  auto hierarchy = Hierarchy::assemble(recorder.finish(mesh, shape));
+  auto hierarchy = Hierarchy::assemble(recorder.finish(mesh, normalised));
   if (!hierarchy) return tl::unexpected(hierarchy.error());
   build.hierarchy = std::move(*hierarchy);
   return build;

@@ -1,6 +1,7 @@
 #include "sdk/hierarchy/extents.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace armature::sdk {
 namespace {
@@ -98,6 +99,28 @@ std::vector<Extents> Extents::of_cells(const std::vector<Eigen::Vector3d>& posit
     }
   }
   return cells;
+}
+
+std::vector<Extents> Extents::of_discs(const std::vector<Eigen::Vector3d>& positions,
+                                       const std::vector<Eigen::Vector3d>& normals, const std::vector<double>& areas) {
+  std::vector<Extents> discs(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!(areas[i] > 0)) continue;
+    const Projection middle = project(positions[i]);
+    const auto radius = static_cast<float>(std::sqrt(areas[i] / std::numbers::pi));
+    const Eigen::Vector3f normal = normals[i].cast<float>();
+    Projection low, high;
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const float steep = normal.dot(half_sphere_directions()[k]);
+      const float reach = radius * std::sqrt(std::max(0.0F, 1 - steep * steep)) * 65534.0F;
+      // A disc may reach beyond the box.
+      low[k] = std::max(middle[k] - reach, -32767.0F);
+      high[k] = std::min(middle[k] + reach, 32767.0F);
+    }
+    discs[i] = of_point(low);
+    discs[i] |= of_point(high);
+  }
+  return discs;
 }
 
 }  // namespace armature::sdk

@@ -67,6 +67,10 @@ class Extents {
   /// triangles. Positions are normalised.
   [[nodiscard]] static std::vector<Extents> of_cells(const std::vector<Eigen::Vector3d>& positions,
                                                      const std::vector<std::array<std::uint32_t, 3>>& triangles);
+  /// The extents of discs about points, of these areas; none of a point without area.
+  [[nodiscard]] static std::vector<Extents> of_discs(const std::vector<Eigen::Vector3d>& positions,
+                                                     const std::vector<Eigen::Vector3d>& normals,
+                                                     const std::vector<double>& areas);
 
  private:
   /// Of one point, by its coordinate along each direction in 65534ths of a unit.

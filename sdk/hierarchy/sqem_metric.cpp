@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -14,8 +15,19 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
       by_increase_(options.by_increase),
       regions_(shape.positions.size()),
       spheres_(shape.positions.size()),
-      extents_(Extents::of_cells(shape.positions, shape.triangles)) {
+      extents_(shape.normals.empty() ? Extents::of_cells(shape.positions, shape.triangles)
+                                     : Extents::of_discs(shape.positions, shape.normals, shape.areas)) {
   for (std::size_t v = 0; v < spheres_.size(); ++v) spheres_[v].centre = shape.positions[v];
+  if (shape.normals.empty())
+    add_cells(shape, options);
+  else
+    add_discs(shape, options);
+  if (compactness_ > 0)
+    for (const Eigen::Vector3d& position : shape.positions) clouds_.push_back({position});
+  for (Region& region : regions_) region.error = region.quadric.c;
+}
+
+void SqemMetric::add_cells(const NormalisedShape& shape, const Options& options) {
   for (const auto& triangle : shape.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = triangle[k];
@@ -34,9 +46,37 @@ SqemMetric::SqemMetric(const NormalisedShape& shape, const Options& options)
                                                                     weight * options.regularise);
     }
   }
-  if (compactness_ > 0)
-    for (const Eigen::Vector3d& position : shape.positions) clouds_.push_back({position});
-  for (Region& region : regions_) region.error = region.quadric.c;
+}
+
+void SqemMetric::add_discs(const NormalisedShape& shape, const Options& options) {
+  // Two thirds of a disc count at its neighbours, as those of a face do at its other corners.
+  constexpr double kShared = 2.0 / 3;
+  const auto for_neighbours = [&](const auto& look) {
+    for (const auto& triangle : shape.triangles)
+      for (const std::uint32_t v : triangle)
+        for (const std::uint32_t other : triangle)
+          if (v != other) look(v, other);
+  };
+  std::vector<std::uint32_t> neighbours(regions_.size(), 0);
+  for_neighbours([&](std::uint32_t v, std::uint32_t) { ++neighbours[v]; });
+  const auto weight = [&](std::size_t v) {
+    return (options.weights.empty() ? 1 : options.weights[v]) * shape.areas[v];
+  };
+  for (std::size_t v = 0; v < regions_.size(); ++v) {
+    if (!(weight(v) > 0)) continue;
+    SphericalQuadric& quadric = regions_[v].quadric;
+    quadric += SphericalQuadric::of_plane(Eigen::Vector3d::Zero(), shape.normals[v],
+                                          (neighbours[v] > 0 ? 1 - kShared : 1) * weight(v));
+    if (!(options.regularise > 0)) continue;
+    // The integral of |q - x|^2 over a disc about the origin: area (|q|^2 + radius^2 / 2).
+    quadric += SphericalQuadric::of_point(Eigen::Vector3d::Zero(), options.regularise * weight(v));
+    quadric.c += options.regularise * weight(v) * shape.areas[v] / (2 * std::numbers::pi);
+  }
+  for_neighbours([&](std::uint32_t v, std::uint32_t other) {
+    if (weight(v) > 0)
+      regions_[other].quadric += SphericalQuadric::of_plane(shape.positions[v] - shape.positions[other],
+                                                            shape.normals[v], kShared / neighbours[v] * weight(v));
+  });
 }
 
 void SqemMetric::pin(std::uint32_t slot, const Sphere& sphere) {

@@ -30,6 +30,7 @@ class SqemMetric {
     [[nodiscard]] Eigen::Vector3d& centre() noexcept { return sphere.centre; }
   };
 
+  /// Regions are at first the cells of a mesh's vertices, or points as flat discs of their areas.
   SqemMetric(const NormalisedShape& shape, const Options& options);
 
   /// Decides the sphere of a slot once and for all, before the first fit.
@@ -112,6 +113,8 @@ class SqemMetric {
     const double beyond = std::max(std::sqrt(squared) - sphere.radius, 0.0);
     return area * beyond * beyond;
   }
+  void add_cells(const NormalisedShape& shape, const Options& options);
+  void add_discs(const NormalisedShape& shape, const Options& options);
   [[nodiscard]] Fit pinned_fit(const SphericalQuadric& quadric, std::uint32_t a, std::uint32_t b) const noexcept;
   /// A region without area joins another for nothing and changes nothing.
   [[nodiscard]] Fit weightless_fit(std::uint32_t a, std::uint32_t b) const noexcept;

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -23,7 +24,6 @@
 #include <unistd.h>
 
 #include "sdk/io/file_bytes.h"
-#include "sdk/io/mesh_parsers.h"
 #include "sdk/io/polygons.h"
 
 namespace armature::sdk {
@@ -226,7 +226,7 @@ Expected<Mesh> import_apart(const Source& source, const Task& task) {
     return fail(source.name + ": expected a mesh in a format that assimp reads; assimp crashed on it");
   const std::string_view content = std::string_view(answer).substr(1);
   if (answer[0] == kError) return fail(source.name + ": " + one_line(std::string(content)));
-  return parse_ply(content, source.name, task);
+  return parse_mesh(content, MeshFormat::Ply, source.name, task);
 }
 
 }  // namespace

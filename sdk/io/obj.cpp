@@ -16,20 +16,47 @@ namespace {
 /// neighbour of the nearest double; the tests hold this against it.
 class ObjParser {
  public:
-  ObjParser(std::string_view text, std::string_view name)
-      : scanner_(text, name, {.comments = true, .continuations = true}) {}
+  ObjParser(std::string_view text, std::string_view name) : text_(text), scanner_(text, name, kRules) {}
 
-  Expected<Mesh> parse(const Task& task) {
+  Expected<MeshOrPoints> parse(const Task& task) {
     ReadingPace pace(task);
     while (scanner_.next_line()) {
       if (pace.stopped(scanner_.position(), scanner_.size())) return cancelled();
       if (auto read = statement(); !read) return tl::unexpected(read.error());
     }
     if (highest_ > polygons_.positions.size()) return out_of_range(highest_line_, static_cast<std::int64_t>(highest_));
-    return triangulated(std::move(polygons_), scanner_.name(), task);
+    if (polygons_.counts.empty())
+      if (auto read = normals(); !read) return tl::unexpected(read.error());
+    return mesh_or_points(std::move(polygons_), scanner_.name(), task);
   }
 
  private:
+  static constexpr TextRules kRules = {.comments = true, .continuations = true};
+
+  /// Reads the normals of points, which nobody asks for where there are faces.
+  Expected<void> normals() {
+    scanner_ = TextScanner(text_, scanner_.name(), kRules);
+    while (scanner_.next_line()) {
+      if (scanner_.word() != "vn") continue;
+      if (polygons_.normals.size() == polygons_.positions.size())
+        return scanner_.expected(std::to_string(polygons_.positions.size()) + " normals vn, one a vertex v", "vn");
+      Eigen::Vector3d normal;
+      for (double& coordinate : normal) {
+        const std::string_view word = scanner_.word();
+        const std::optional<double> number = to_double(word);
+        if (!number) return scanner_.expected("three numbers of a normal", word);
+        coordinate = *number;
+      }
+      if (const auto wrong = made_unit(normal); !wrong.empty()) return scanner_.expected(wrong, "vn");
+      polygons_.normals.push_back(normal);
+    }
+    if (const std::size_t found = polygons_.normals.size(); found != 0 && found != polygons_.positions.size())
+      return fail(std::string(scanner_.name()) + ": expected as many normals vn as vertices v, " +
+                  std::to_string(polygons_.positions.size()) + ", for points without faces; found " +
+                  std::to_string(found));
+    return {};
+  }
+
   Expected<void> statement() {
     const std::string_view keyword = scanner_.word();
     if (keyword == "v") return vertex();
@@ -106,6 +133,7 @@ class ObjParser {
                             " vertices, from 1; found " + std::to_string(index));
   }
 
+  std::string_view text_;
   TextScanner scanner_;
   Polygons polygons_;
   std::size_t highest_ = 0;       // vertex that a face named
@@ -114,7 +142,7 @@ class ObjParser {
 
 }  // namespace
 
-Expected<Mesh> parse_obj(std::string_view text, std::string_view name, const Task& task) {
+Expected<MeshOrPoints> parse_obj(std::string_view text, std::string_view name, const Task& task) {
   return ObjParser(text, name).parse(task);
 }
 

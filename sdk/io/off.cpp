@@ -17,7 +17,7 @@ class OffParser {
  public:
   OffParser(std::string_view text, std::string_view name) : scanner_(text, name) {}
 
-  Expected<Mesh> parse(const Task& task) {
+  Expected<MeshOrPoints> parse(const Task& task) {
     if (auto read = header(); !read) return tl::unexpected(read.error());
     ReadingPace pace(task);
     for (std::size_t i = 0; i < vertices_; ++i) {
@@ -29,7 +29,7 @@ class OffParser {
       if (auto read = face(i); !read) return tl::unexpected(read.error());
     }
     if (scanner_.next_line()) return scanner_.expected("nothing behind the last face", scanner_.word());
-    return triangulated(std::move(polygons_), scanner_.name(), task);
+    return mesh_or_points(std::move(polygons_), scanner_.name(), task);
   }
 
  private:
@@ -48,6 +48,7 @@ class OffParser {
     const bool coloured = skip("C");
     const bool normals = skip("N");
     if (!prefix.empty()) return scanner_.expected("OFF in three dimensions (OFF, COFF, NOFF...)", keyword);
+    normals_ = normals;
     colour_at_ = coloured ? (normals ? 6 : 3) : (normals ? 0 : 3);
     // The counts stand on a line of their own or behind the keyword.
     if (scanner_.at_line_end() && !scanner_.next_line()) return scanner_.ended("the numbers of vertices and faces");
@@ -81,6 +82,12 @@ class OffParser {
     }
     if (count < 3) return scanner_.expected("three coordinates", {});
     polygons_.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
+    if (normals_ && faces_ == 0) {
+      if (count < 6) return scanner_.expected("three coordinates and a normal", {});
+      Eigen::Vector3d normal(numbers[3], numbers[4], numbers[5]);
+      if (const auto wrong = made_unit(normal); !wrong.empty()) return scanner_.expected(wrong, "0 0 0");
+      polygons_.normals.push_back(normal);
+    }
     if (colour_at_ >= 3 && count >= colour_at_ + 3 && polygons_.vertex_colours.size() == index)
       polygons_.vertex_colours.push_back(colour(std::span(numbers).subspan(colour_at_).first<3>(), whole));
     return {};
@@ -133,12 +140,13 @@ class OffParser {
   Polygons polygons_;
   std::size_t vertices_ = 0;
   std::size_t faces_ = 0;
+  bool normals_ = false;       // stand behind a vertex's coordinates
   std::size_t colour_at_ = 3;  // where a vertex's colour begins among its numbers; 0: there is none
 };
 
 }  // namespace
 
-Expected<Mesh> parse_off(std::string_view text, std::string_view name, const Task& task) {
+Expected<MeshOrPoints> parse_off(std::string_view text, std::string_view name, const Task& task) {
   return OffParser(text, name).parse(task);
 }
 

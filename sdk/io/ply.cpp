@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -45,6 +46,14 @@ std::optional<ColourProperties> find_colour(const PlyElement& element) {
   return colour;
 }
 
+std::optional<std::array<std::size_t, 3>> find_normal(const PlyElement& element) {
+  const auto x = element.find({"nx", "normal_x"});
+  const auto y = element.find({"ny", "normal_y"});
+  const auto z = element.find({"nz", "normal_z"});
+  if (!x || !y || !z) return {};
+  return std::array{*x, *y, *z};
+}
+
 std::string shown(double value) {
   return value == std::floor(value) && std::abs(value) < 1e15 ? std::to_string(static_cast<std::int64_t>(value))
                                                               : std::to_string(value);
@@ -55,7 +64,10 @@ class PlyParser {
   PlyParser(std::string_view bytes, std::string_view name, const PlyHeader& header, const Task& task)
       : bytes_(bytes), header_(header), rows_(bytes, name, header), pace_(task) {
     for (const PlyElement& element : header.elements)
-      if (element.name == "vertex") vertices_ = element.count;
+      if (element.name == "vertex")
+        vertices_ = element.count;
+      else if (element.name == "face")
+        faces_ = element.count;
   }
 
   Expected<PlyContent> parse() {
@@ -79,6 +91,9 @@ class PlyParser {
     if (!content_.polygons.positions.empty()) return fail(std::string(name()) + ": expected one element vertex");
     const auto radius = element.find({"radius"});
     const auto colour = find_colour(element);
+    // Of what has faces nobody asks for normals.
+    const auto normal = faces_ == 0 ? find_normal(element) : std::nullopt;
+    const auto area = normal ? element.find({"area"}) : std::nullopt;
     if (auto read = rows_.begin(element); !read) return read;
     content_.polygons.positions.reserve(element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -88,6 +103,17 @@ class PlyParser {
         if (!std::isfinite(coordinate)) return rows_.expected("finite coordinates", shown(coordinate));
       content_.polygons.positions.push_back(p);
       if (colour) content_.polygons.vertex_colours.push_back(colour->of(rows_));
+      if (normal) {
+        Eigen::Vector3d n(rows_.value((*normal)[0]), rows_.value((*normal)[1]), rows_.value((*normal)[2]));
+        const std::string found = shown(n.x()) + " " + shown(n.y()) + " " + shown(n.z());
+        if (const auto wrong = made_unit(n); !wrong.empty()) return rows_.expected(wrong, found);
+        content_.polygons.normals.push_back(n);
+      }
+      if (area) {
+        const double a = rows_.value(*area);
+        if (!std::isfinite(a) || a < 0) return rows_.expected("an area that is finite and not negative", shown(a));
+        content_.polygons.areas.push_back(a);
+      }
       if (!radius) continue;
       const double r = rows_.value(*radius);
       if (!std::isfinite(r) || r < 0) return rows_.expected("a radius that is finite and not negative", shown(r));
@@ -165,7 +191,7 @@ class PlyParser {
   PlyRows rows_;
   ReadingPace pace_;
   PlyContent content_;
-  std::size_t vertices_ = 0;
+  std::size_t vertices_ = 0, faces_ = 0;
 };
 
 Expected<PlyContent> parse_content(std::string_view bytes, std::string_view name, const Task& task) {
@@ -176,10 +202,10 @@ Expected<PlyContent> parse_content(std::string_view bytes, std::string_view name
 
 }  // namespace
 
-Expected<Mesh> parse_ply(std::string_view bytes, std::string_view name, const Task& task) {
+Expected<MeshOrPoints> parse_ply(std::string_view bytes, std::string_view name, const Task& task) {
   auto content = parse_content(bytes, name, task);
   if (!content) return tl::unexpected(content.error());
-  return triangulated(std::move(content->polygons), name, task);
+  return mesh_or_points(std::move(content->polygons), name, task);
 }
 
 Expected<SphereMesh> parse_sphere_ply(std::string_view bytes, std::string_view name, const Task& task) {

@@ -35,6 +35,24 @@ Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task
   return mesh;
 }
 
+Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, const Task& task) {
+  const std::size_t count = polygons.positions.size();
+  if (!polygons.counts.empty() || count == 0) return triangulated(std::move(polygons), name, task);
+  PointSet points;
+  points.positions = std::move(polygons.positions);
+  points.normals = std::move(polygons.normals);
+  points.areas = std::move(polygons.areas);
+  if (polygons.vertex_colours.size() == count) points.colours = std::move(polygons.vertex_colours);
+  return points;
+}
+
+std::string_view made_unit(Eigen::Vector3d& normal) noexcept {
+  if (!normal.allFinite()) return "a normal of finite numbers";
+  if (normal.isZero(0)) return "a normal that points outward; estimate it anew or leave the point out";
+  normal.stableNormalize();
+  return {};
+}
+
 Colour colour_of_fractions(double red, double green, double blue) noexcept {
   const auto byte = [](double fraction) {
     return fraction > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(fraction, 1.0))) : std::uint8_t{0};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <armature/sdk/error.h>
+#include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/mesh/mesh.h>
 #include <armature/sdk/task.h>
 
@@ -24,12 +25,21 @@ struct Polygons {
   std::vector<std::uint32_t> counts;  ///< by polygon: how many corners, 3 to kMostCorners
   std::vector<Colour> vertex_colours;
   std::vector<Colour> polygon_colours;
+  std::vector<Eigen::Vector3d> normals = {};  ///< by position, of unit length; looked at where there is no polygon
+  std::vector<double> areas = {};             ///< likewise, or empty
 };
 
 /// The polygons as triangles. Every corner names a position. Colours are kept where all vertices, or all polygons, have
 /// one. `name` stands for the file in messages. Fails on a file
 /// without a face and when asked to stop.
 [[nodiscard]] Expected<Mesh> triangulated(Polygons polygons, std::string_view name, const Task& task);
+
+/// The same, or points where there are positions and no polygon; with normals where all have one, else without any.
+[[nodiscard]] Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, const Task& task);
+
+/// What is wrong with a normal of a file, and what to do; empty if it has a direction. Else it comes out of unit
+/// length.
+[[nodiscard]] std::string_view made_unit(Eigen::Vector3d& normal) noexcept;
 
 /// A colour out of numbers of [0, 1].
 [[nodiscard]] Colour colour_of_fractions(double red, double green, double blue) noexcept;

@@ -88,8 +88,16 @@ void turn_outward(NormalisedShape& shape) {
   std::vector<std::size_t> inward;
   for (std::size_t k = 0; k < components.size(); ++k)
     if (nesting.points_inward(k)) inward.push_back(k);
+  std::vector<bool> turned(shape.normals.size(), false);
   for (const auto k : inward)
-    for (const auto t : components[k].triangles) std::swap(shape.triangles[t][1], shape.triangles[t][2]);
+    for (const auto t : components[k].triangles) {
+      std::swap(shape.triangles[t][1], shape.triangles[t][2]);
+      if (shape.normals.empty()) continue;
+      for (const auto corner : shape.triangles[t]) {
+        if (!turned[corner]) shape.normals[corner] = -shape.normals[corner];
+        turned[corner] = true;
+      }
+    }
 }
 
 /// The rotation to the principal axes of the surface's second moments. Which way they point does not matter: the
@@ -123,7 +131,7 @@ Eigen::Matrix3d own_axes(const Mesh& mesh, const Eigen::Vector3d& origin) {
 
 }  // namespace
 
-NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame) {
+NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame, const PointSet* points) {
   NormalisedShape shape;
   if (frame == ShapeFrame::Own && !mesh.positions.empty()) shape.turn = own_axes(mesh, mesh.positions.front());
   Eigen::AlignedBox3d box;
@@ -137,6 +145,10 @@ NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame) {
   for (const auto& triangle : mesh.triangles) {
     auto& corners = shape.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) corners[k] = static_cast<std::uint32_t>(triangle[k].index());
+  }
+  if (points != nullptr) {
+    for (const auto& normal : points->normals) shape.normals.emplace_back(shape.turn * normal);
+    for (const double area : points->areas) shape.areas.push_back(area / (shape.scale * shape.scale));
   }
   turn_outward(shape);
   return shape;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 
 namespace armature::sdk {
 
@@ -16,11 +17,13 @@ enum class ShapeFrame : std::uint8_t {
           ///< its spreads are so alike that noise would decide
 };
 
-/// A mesh turned, moved and scaled to a bounding box about the origin with a diagonal of 1 (unscaled if it has none),
-/// its triangles turned outward.
+/// A mesh, or points and what joins them, turned, moved and scaled to a bounding box about the origin with a diagonal
+/// of 1 (unscaled if it has none), its triangles and normals turned outward.
 struct NormalisedShape {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Eigen::Vector3d> normals;                ///< of points, by position; empty where it is a mesh
+  std::vector<double> areas;                           ///< likewise, in units of this shape
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();    ///< the bounding box's middle, in the model's coordinates
   double scale = 1;                                    ///< the diagonal
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< shape_from_model, a rotation
@@ -38,7 +41,9 @@ struct NormalisedShape {
 
   /// A component (linked by vertices) of negative volume is turned over together with all that lies within it, unless
   /// it lies within another: what does keeps its relation to what is around it, so that cavities stay cavities.
-  [[nodiscard]] static NormalisedShape of(const Mesh& mesh, ShapeFrame frame = ShapeFrame::Model);
+  /// `points`, unless null, are what `mesh` joins (`surface_of()`).
+  [[nodiscard]] static NormalisedShape of(const Mesh& mesh, ShapeFrame frame = ShapeFrame::Model,
+                                          const PointSet* points = nullptr);
 };
 
 }  // namespace armature::sdk

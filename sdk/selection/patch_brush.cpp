@@ -11,6 +11,7 @@
 #include <armature/sdk/selection/patch_brush.h>
 #include <armature/sdk/selection/selection.h>
 
+#include "sdk/mesh/nearest_point.h"
 #include "sdk/selection/flood.h"
 
 namespace armature::sdk {
@@ -186,28 +187,72 @@ std::vector<FaceId> PatchBrush::largest_piece(const std::vector<std::uint8_t>& o
   return in_order(std::move(largest));
 }
 
-Expected<std::vector<FaceId>> select_patch(const Surface& surface, const PatchStrokes& drawn) {
+namespace {
+
+Expected<void> checked(const PatchStrokes& drawn) {
   if (!(drawn.radius > 0) || !std::isfinite(drawn.radius))
     return fail("expected a positive radius of the brush, in the model's unit");
   if (drawn.strokes.empty()) return fail("expected at least one stroke over the patch");
+  return {};
+}
+
+/// Draws a brush's strokes and then those over the background: `draw(stroke, name, kind)` fails or draws one.
+template <class Draw>
+Expected<void> draw_all(const PatchStrokes& drawn, Draw&& draw) {
+  for (const auto& [strokes, what, kind] : {std::tuple(&drawn.strokes, "strokes", Brush::Patch),
+                                            std::tuple(&drawn.background, "background", Brush::Background)})
+    for (std::size_t i = 0; i < strokes->size(); ++i) {
+      const std::string name = std::string(what) + "[" + std::to_string(i) + "]";
+      if ((*strokes)[i].empty()) return fail(name + ": expected at least one point");
+      if (Expected<void> done = draw((*strokes)[i], name, kind); !done) return done;
+    }
+  return {};
+}
+
+constexpr const char* kNothingLeft = "background: it covers all strokes; leave some of the patch";
+
+}  // namespace
+
+Expected<std::vector<FaceId>> select_patch(const Surface& surface, const PatchStrokes& drawn) {
+  if (auto fine = checked(drawn); !fine) return tl::unexpected(fine.error());
   PatchBrush brush(surface, drawn.radius);
-  const auto draw = [&](const auto& strokes, const std::string& what, Brush kind) -> Expected<void> {
-    for (std::size_t i = 0; i < strokes.size(); ++i) {
-      const std::string name = what + "[" + std::to_string(i) + "]";
-      if (strokes[i].empty()) return fail(name + ": expected at least one point");
-      const auto points = project_stroke(surface, strokes[i], name);
-      if (!points) return tl::unexpected(points.error());
-      brush.lift();
-      for (const SurfacePoint& point : *points) brush.draw_to(point, kind);
+  const auto done = draw_all(drawn, [&](const auto& stroke, const std::string& name, Brush kind) -> Expected<void> {
+    const auto points = project_stroke(surface, stroke, name);
+    if (!points) return tl::unexpected(points.error());
+    brush.lift();
+    for (const SurfacePoint& point : *points) brush.draw_to(point, kind);
+    return {};
+  });
+  if (!done) return tl::unexpected(done.error());
+  auto faces = brush.faces();
+  if (faces.empty()) return fail(kNothingLeft);
+  return faces;
+}
+
+Expected<std::vector<VertexId>> select_patch(const PointSet& points, const PatchStrokes& drawn) {
+  if (auto fine = checked(drawn); !fine) return tl::unexpected(fine.error());
+  if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
+  if (points.positions.empty()) return fail("expected points to select from, found none");
+  const NearestPoint tree(points.positions);
+  std::vector<std::uint8_t> in(points.positions.size(), 0);
+  const auto done = draw_all(drawn, [&](const auto& stroke, const std::string& name, Brush kind) -> Expected<void> {
+    for (std::size_t k = 0; k < stroke.size(); ++k) {
+      if (!stroke[k].allFinite()) return fail(name + "[" + std::to_string(k) + "]: expected finite coordinates");
+      const Vector3d& facing = points.normals[tree.find(stroke[k]).point];
+      for (std::size_t v = 0; v < in.size(); ++v)
+        if (squared_distance(points.positions[v], stroke[k == 0 ? 0 : k - 1], stroke[k]) <=
+                drawn.radius * drawn.radius &&
+            points.normals[v].dot(facing) >= 0)
+          in[v] = kind == Brush::Patch ? 1 : 0;
     }
     return {};
-  };
-  if (auto drawn_on = draw(drawn.strokes, "strokes", Brush::Patch); !drawn_on) return tl::unexpected(drawn_on.error());
-  if (auto drawn_on = draw(drawn.background, "background", Brush::Background); !drawn_on)
-    return tl::unexpected(drawn_on.error());
-  auto faces = brush.faces();
-  if (faces.empty()) return fail("background: it covers all strokes; leave some of the patch");
-  return faces;
+  });
+  if (!done) return tl::unexpected(done.error());
+  std::vector<VertexId> patch;
+  for (std::size_t v = 0; v < in.size(); ++v)
+    if (in[v] != 0) patch.emplace_back(v);
+  if (patch.empty()) return fail("strokes: no point lies within the radius of one; draw on the points");
+  return patch;
 }
 
 }  // namespace armature::sdk

@@ -75,6 +75,48 @@ class Decimate(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual((self.here / "l.ma").read_bytes(), (self.here / "c.ma").read_bytes())
 
+    def test_points_are_decimated_as_meshes_are(self):
+        scan = self.here / "scan.xyz"
+        self.assertEqual(run("mesh", "points", self.mesh, scan, "--count", 2000).returncode, 0)
+        for name in ("gls-histogram", "gls-mean", "quadric"):
+            result = run("decimate", scan, self.here / "p.ma", "--target", 40, "--descriptor", name, "--json", "--hierarchy",
+                         self.here / "p.smh")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(result.stdout)
+            self.assertEqual(told["collapses"], len(scan.read_text().splitlines()) - 40)
+            self.assertLess(told["levels"], told["collapses"])
+        level = run("spheremesh", "level", self.here / "p.smh", self.here / "l.ma", "--spheres", 40)
+        self.assertEqual(level.returncode, 0, level.stderr)
+        self.assertEqual((self.here / "l.ma").read_bytes(), (self.here / "p.ma").read_bytes())
+        self.assertEqual(run("decimate", scan, self.here / "p.ma", "--target", 40, "--adaptive").returncode, 0)
+        # The mean distance from the mesh itself, in percent of its diagonal.
+        told = json.loads(run("spheremesh", "measure", self.mesh, self.here / "p.ma", "--json").stdout)
+        self.assertLess(told["mean_input_to_approximation"], 0.5)
+
+    def test_threshold_0_is_the_plain_hierarchy_of_points_too(self):
+        scan = self.here / "scan.ply"
+        self.assertEqual(run("mesh", "points", self.mesh, scan).returncode, 0)
+        for command in (["decimate", scan, self.here / "a.ma", "--target", 40, "--similar", 0, "--hierarchy", self.here / "a.smh"],
+                        ["spheremesh", "build", scan, self.here / "b.ma", "--spheres", 40, "--hierarchy", self.here / "b.smh"]):
+            result = run(*command)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        for kind in ("ma", "smh"):
+            self.assertEqual((self.here / f"a.{kind}").read_bytes(), (self.here / f"b.{kind}").read_bytes())
+
+    def test_what_needs_faces_says_so(self):
+        scan = self.here / "scan.obj"
+        self.assertEqual(run("mesh", "points", self.mesh, scan, "--count", 100).returncode, 0)
+        out = self.here / "c.ma"
+        for command in (["decimate", scan, self.here / "c.off", "--target", 5, "--kind", "mesh"],
+                        ["mesh", "info", scan],
+                        ["spheremesh", "measure", scan, out],
+                        ["spheremesh", "build", scan, out, "--refine"]):
+            result = run(*command)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertRegex(result.stderr, "scan.obj: has [0-9]+ points and no faces; ")
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertFalse(out.exists())
+
     def test_people_are_told_what_came_out(self):
         result = run("decimate", self.mesh, self.here / "c.ma", "--target", 40)
         self.assertEqual(result.returncode, 0, result.stderr)

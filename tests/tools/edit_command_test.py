@@ -93,6 +93,52 @@ class Edit(unittest.TestCase):
             self.edit("out.ply", "--op", op, "--amount", amount, *more)
             self.assertTrue((self.here / "out.ply").read_bytes().startswith(b"ply"))
 
+    def points(self, out):
+        result = run("mesh", "points", self.mesh, out, "--count", 4000)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return out
+
+    def test_points_are_coloured_and_displaced_by_their_likeness(self):
+        scan = self.points(self.here / "scan.xyz")
+        before = [tuple(map(float, line.split())) for line in scan.read_text().splitlines()]
+        for name in ("gls", "gls-histogram"):
+            result = run("edit", scan, self.here / "out.xyz", "--gesture", self.gesture, "--op", "displace", "--amount", 0.01,
+                         "--map", name, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertGreater(json.loads(result.stdout)["moved"], 0)
+        result = run("edit", scan, self.here / "out.obj", "--gesture", self.gesture, "--op", "paint", "--amount", 1)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        painted = [tuple(map(float, line.split()[1:])) for line in (self.here / "out.obj").read_text().splitlines()
+                   if line.startswith("v ")]
+        self.assertEqual([p[:3] for p in painted], [p[:3] for p in before])
+        blue = [p for p in painted if p[3] < 0.3]
+        self.assertTrue(blue)
+        for bump in BUMPS:  # all three, and nothing far from them
+            self.assertTrue(any(math.dist(p[:2], bump) < 0.15 for p in blue), bump)
+        for p in blue:
+            self.assertLess(min(math.dist(p[:2], bump) for bump in BUMPS), 0.3)
+        self.assertEqual(run("edit", scan, self.here / "out.ply", "--gesture", self.gesture, "--op", "paint", "--amount",
+                             1).returncode, 0)
+        self.assertIn(b"property uchar red", (self.here / "out.ply").read_bytes())
+
+    def test_what_needs_faces_says_so_of_points(self):
+        scan = self.points(self.here / "scan.ply")
+        out = self.here / "out.ply"
+        paint = ("--op", "paint", "--amount", 1)
+        said = "points and no faces; "
+        self.refused(1, said + "--op", scan, out, "--gesture", self.gesture, "--op", "smooth", "--amount", 0.1)
+        self.refused(1, said + "--map", scan, out, "--gesture", self.gesture, *paint, "--map", "quadric")
+        self.refused(1, said + "--expand", scan, out, "--gesture", self.gesture, *paint, "--expand", 2)
+        self.refused(1, "there is no face to click on", scan, out, "--gesture",
+                     self.file("click.json", '{"tool":"component","face":0}'), *paint)
+        self.refused(1, said + "a gesture of the tool patch", scan, out, "--gesture",
+                     self.file("cut.json", '{"tool":"part","stroke":[[0,0,0],[1,0,0]]}'), *paint)
+        self.refused(1, "no point lies within", scan, out, "--gesture",
+                     self.file("far.json", '{"tool":"patch","strokes":[[[9,9,9]]],"radius":0.1}'), *paint)
+        self.refused(1, "points are written as", scan, self.here / "out.off", "--gesture", self.gesture, *paint)
+        self.refused(1, "expected a name that ends in .ply", self.mesh, self.here / "out.xyz", "--gesture", self.gesture, *paint)
+        self.assertFalse(out.exists())
+
     def test_more_likes_than_there_are_is_no_mistake(self):
         told = self.edit("out.off", "--op", "displace", "--amount", 0.01, "--expand", 100000)
         self.assertLess(told["matches"], 100000)

@@ -1,16 +1,20 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <armature/sdk/distance/measure.h>
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/write_mesh.h>
+#include <armature/sdk/mesh/measures.h>
 #include <armature/sdk/mesh/report.h>
 #include <fmt/format.h>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/output_names.h"
 #include "tools/evaluation/shapes.h"
 #include "tools/json_lines.h"
 #include "tools/sdk_call.h"
@@ -112,6 +116,20 @@ Expected<void> sample(const SampleArguments& arguments) {
   return ours(sdk::write_mesh(shape(), arguments.out));
 }
 
+struct PointsArguments {
+  std::string mesh, out;
+  std::optional<std::size_t> count;
+};
+
+Expected<void> points(const PointsArguments& arguments) {
+  SdkCall call;
+  const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
+  if (!mesh) return tl::unexpected(mesh.error());
+  if (!(sdk::surface_area(*mesh) > 0)) return fail(arguments.mesh + ": has no area to take points of");
+  return ours(sdk::write_points(sdk::sample_points(*mesh, arguments.count.value_or(mesh->positions.size())),
+                                arguments.out, {}, call.task()));
+}
+
 }  // namespace
 
 void add_mesh(CLI::App& app, Run& run) {
@@ -140,6 +158,15 @@ void add_mesh(CLI::App& app, Run& run) {
       ->capture_default_str();
   sampled->footer("Example:\n  armature mesh sample creature creature.off");
   sampled->callback([samples, &run] { run = [samples] { return sample(*samples); }; });
+
+  auto taken = std::make_shared<PointsArguments>();
+  CLI::App* of_mesh = command->add_subcommand("points", "Take points with normals from a mesh, evenly by area");
+  of_mesh->add_option("MESH", taken->mesh, "a triangle mesh")->required();
+  of_mesh->add_option("OUT", taken->out, "the points: .ply, .obj or .xyz")->required()->check(wrong_points_name);
+  of_mesh->add_option("--count", taken->count, "how many, about (default: as many as there are vertices)")
+      ->check(CLI::Range(1, 100'000'000));
+  of_mesh->footer("Example:\n  armature mesh points cow.obj cow.xyz --count 10000");
+  of_mesh->callback([taken, &run] { run = [taken] { return points(*taken); }; });
 }
 
 }  // namespace armature::tools

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <armature/sdk/decimation/similar_decimation.h>
+#include <armature/sdk/distance/measure.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/hierarchy/level_cursor.h>
 #include <gtest/gtest.h>
@@ -224,6 +225,56 @@ TEST(SimilarDecimation, TakesAnyMesh) {
   EXPECT_FALSE(build_similar_hierarchy(Mesh{}));
   EXPECT_FALSE(build_similar_hierarchy(ball(1), {}, {.threshold = -1}));
   EXPECT_FALSE(build_similar_hierarchy(ball(1), {}, {.cost_ratio = 0.5}));
+}
+
+/// Points of two tubes bent to rings that lie on one another once one is moved.
+PointSet bent_points() {
+  PointSet points = sample_points(surfaces::torus(2, 0.7, 40, 16, 0.3), 1500);
+  for (std::size_t i = 0, count = points.positions.size(); i < count; ++i) {
+    points.positions.emplace_back(points.positions[i] + Eigen::Vector3d(6, 1, 0));
+    points.normals.push_back(points.normals[i]);
+  }
+  return points;
+}
+
+TEST(SimilarDecimation, OfPointsOfThresholdZeroIsThePlainHierarchyBitByBit) {
+  const auto plain = build_hierarchy(bent_points());
+  ASSERT_TRUE(plain);
+  for (const auto descriptor : kAll) {
+    const auto similar = build_similar_hierarchy(bent_points(), {}, {.descriptor = descriptor, .threshold = 0});
+    ASSERT_TRUE(similar);
+    EXPECT_EQ(encode_hierarchy(similar->build.hierarchy), encode_hierarchy(plain->hierarchy));
+  }
+}
+
+TEST(SimilarDecimation, OfPointsKeepsCopiesInStep) {
+  const PointSet points = bent_points();
+  for (const auto descriptor : kAll) {
+    const auto similar = build_similar_hierarchy(points, {}, {.descriptor = descriptor, .threshold = 0.3});
+    ASSERT_TRUE(similar);
+    const Hierarchy& h = similar->build.hierarchy;
+    EXPECT_EQ(h.min_spheres(), 1U);
+    EXPECT_LT(2 * h.step_count(), h.collapse_count());
+    std::size_t levels = 0;
+    std::size_t even = 0;
+    for (std::size_t k = 1; k <= h.step_count() && h.spheres_after(k) > 2; ++k) {
+      if (h.spheres_after(k) > 200) continue;
+      std::size_t first = 0;
+      for (const NodeId node : h.nodes_of_level(h.spheres_after(k)))
+        first += h.vertices(node).front().index() < points.positions.size() / 2 ? 1U : 0U;
+      ++levels;
+      even += 2 * first == h.spheres_after(k) ? 1U : 0U;
+    }
+    EXPECT_GE(static_cast<double>(even), 0.9 * static_cast<double>(levels));
+  }
+}
+
+TEST(SimilarDecimation, OfPointsIsRefusedWhereTheyAreWrong) {
+  PointSet points = bent_points();
+  points.normals.pop_back();
+  EXPECT_FALSE(build_similar_hierarchy(points));
+  EXPECT_FALSE(build_similar_hierarchy(PointSet{}));
+  EXPECT_FALSE(region_descriptor(points, {.descriptor = RegionDescriptor::Quadric}));
 }
 
 }  // namespace

@@ -247,5 +247,18 @@ TEST(RegionEdits, TakeNoMatchesAndRefuseWhatIsNotThere) {
   EXPECT_FALSE(transported(surface, one, {}, DisplaceEdit{0.1}, {.blend = 2}));
 }
 
+TEST(VertexEdits, OfPointsMoveAlongTheirNormalsAndColour) {
+  const PointSet points{.positions = {{0, 0, 0}, {1, 0, 0}}, .normals = {{0, 0, 1}, {0, 1, 0}}};
+  const std::vector<double> weights = {1, 0.5};
+  const auto moved = displaced(points, weights, 2);
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->positions, (std::vector<Eigen::Vector3d>{{0, 0, 2}, {1, 1, 0}}));
+  const auto coloured = painted(points, weights, {0, 0, 0});
+  ASSERT_TRUE(coloured);
+  EXPECT_EQ(coloured->colours, (std::vector<Colour>{{0, 0, 0}, {107, 107, 105}}));
+  EXPECT_FALSE(displaced(points, std::vector<double>{1}, 2));
+  EXPECT_FALSE(painted(PointSet{.positions = {{0, 0, 0}}}, std::vector<double>{1}, {0, 0, 0}));
+}
+
 }  // namespace
 }  // namespace armature::sdk

@@ -391,7 +391,7 @@ TEST(Build, LooksForStavesOnlyWhereLevelsAreCoarse) {
 }
 
 TEST(Build, RefusesWhatItCannotUse) {
-  EXPECT_EQ(build_hierarchy({}).error().message, "expected a mesh with vertices, found none");
+  EXPECT_EQ(build_hierarchy(Mesh{}).error().message, "expected a mesh with vertices, found none");
   const auto why = [](const HierarchyOptions& options) {
     const auto build = build_hierarchy(ball(1), options);
     return build ? std::string() : build.error().message;
@@ -417,6 +417,109 @@ TEST(Build, StopsWhenAsked) {
   const auto build = build_hierarchy(ball(4), {}, {.stop = source.get_token()});
   ASSERT_FALSE(build);
   EXPECT_EQ(build.error().kind, ErrorKind::Cancelled);
+}
+
+TEST(BuildOfPoints, FitsABallByOneSphere) {
+  const PointSet points = sample_points(ball(5), 3000);
+  const auto build = build_hierarchy(points);
+  ASSERT_TRUE(build);
+  EXPECT_EQ(build->hierarchy.leaf_count(), points.positions.size());
+  const auto level = build->hierarchy.level(1);
+  ASSERT_TRUE(level);
+  EXPECT_NEAR(level->spheres[0].radius, 1, 0.01);
+  EXPECT_LT(level->spheres[0].centre.norm(), 0.01);
+}
+
+TEST(BuildOfPoints, IsAboutAsCloseAsTheMeshThatTheyAreOf) {
+  const Mesh mesh = surfaces::torus(2, 0.7, 60, 24, 0.3);
+  const auto of_mesh = build_hierarchy(mesh);
+  const auto of_points = build_hierarchy(sample_points(mesh, mesh.positions.size()));
+  ASSERT_TRUE(of_mesh && of_points);
+  for (const std::size_t spheres : {100, 50}) {
+    const auto error = [&](const Hierarchy& hierarchy) {
+      return measure(mesh, *hierarchy.level(spheres), {.samples = 2000})->mean_input_to_approximation;
+    };
+    EXPECT_LT(error(of_points->hierarchy), 1.25 * error(of_mesh->hierarchy));
+  }
+}
+
+TEST(BuildOfPoints, GoesByTrianglesAndEdges) {
+  const auto build = build_hierarchy(sample_points(ball(4), 800));
+  ASSERT_TRUE(build);
+  const auto level = build->hierarchy.level(20);
+  ASSERT_TRUE(level);
+  EXPECT_GT(level->triangles.size(), 20U);
+  EXPECT_EQ(build->hierarchy.min_spheres(), 1U);
+}
+
+TEST(BuildOfPoints, TurnsNormalsOutward) {
+  PointSet points = sample_points(ball(4), 800);
+  const auto outward = build_hierarchy(points);
+  for (auto& n : points.normals) n = -n;
+  const auto inward = build_hierarchy(points);
+  ASSERT_TRUE(outward && inward);
+  EXPECT_NEAR(inward->hierarchy.level(1)->spheres[0].radius, outward->hierarchy.level(1)->spheres[0].radius, 1e-3);
+}
+
+TEST(BuildOfPoints, IsTheSameAtAnySizeAndPlace) {
+  const PointSet points = sample_points(ball(4), 500);
+  PointSet moved = points;
+  for (auto& p : moved.positions) p = 1024 * p + Eigen::Vector3d(4096, 0, 0);
+  const auto here = build_hierarchy(points);
+  const auto there = build_hierarchy(moved);
+  ASSERT_TRUE(here && there);
+  const auto a = here->hierarchy.level(10), b = there->hierarchy.level(10);
+  for (std::size_t k = 0; k < 10; ++k) {
+    EXPECT_NEAR(b->spheres[k].radius / 1024, a->spheres[k].radius, 1e-5);
+    EXPECT_LT((b->spheres[k].centre - Eigen::Vector3d(4096, 0, 0) - 1024 * a->spheres[k].centre).norm(), 0.02);
+  }
+}
+
+TEST(BuildOfPoints, TakesWhateverPointsThereAre) {
+  // At random, with some at one place and some without a normal.
+  PointSet points;
+  std::uint32_t state = 1;
+  const auto next = [&](std::uint32_t below) {
+    return static_cast<double>((state = state * 1664525U + 1013904223U) >> 8) / (1U << 24) * below;
+  };
+  for (int i = 0; i < 300; ++i) {
+    points.positions.emplace_back(std::floor(next(6)), std::floor(next(6)), std::floor(next(6)));
+    points.normals.emplace_back(std::floor(next(3)) - 1, std::floor(next(3)) - 1, std::floor(next(3)) - 1);
+  }
+  const auto build = build_hierarchy(points);
+  ASSERT_TRUE(build) << build.error().message;
+  EXPECT_EQ(build->hierarchy.min_spheres(), 1U);
+  for (const std::size_t spheres : {1, 10, 300}) {
+    const auto level = build->hierarchy.level(spheres);
+    ASSERT_TRUE(level);
+    for (const Sphere& sphere : level->spheres) EXPECT_TRUE(sphere.centre.allFinite() && sphere.radius >= 0);
+  }
+  // One alone, and some at one place.
+  for (const std::size_t count : {1U, 5U}) {
+    PointSet few{.positions = {count, Eigen::Vector3d(1, 2, 3)}, .normals = {count, Eigen::Vector3d(0, 0, 1)}};
+    EXPECT_TRUE(build_hierarchy(few));
+  }
+}
+
+TEST(BuildOfPoints, KeepsPinsAndLabels) {
+  const PointSet points = sample_points(ball(4), 400);
+  std::vector<std::uint32_t> labels;
+  for (const auto& p : points.positions) labels.push_back(p.x() > 0 ? 1 : 0);
+  const auto build = build_hierarchy(points, {.labels = labels, .pinned = {{VertexId(3), Sphere{{0, 0, 0}, 0.5}}}});
+  ASSERT_TRUE(build);
+  EXPECT_GE(build->hierarchy.min_spheres(), 2U);
+  const auto level = build->hierarchy.level(build->hierarchy.min_spheres());
+  EXPECT_TRUE(std::ranges::any_of(level->spheres, [](const Sphere& s) { return std::abs(s.radius - 0.5) < 1e-6; }));
+}
+
+TEST(BuildOfPoints, RefusesWhatItCannotUse) {
+  const PointSet points = sample_points(ball(2), 50);
+  EXPECT_EQ(build_hierarchy(points, {.importance = 1}).error().message,
+            "importance: expected 0 for points, which have no faces to tell their curvature by, or weights");
+  EXPECT_EQ(build_hierarchy(points, {.keep_topology = true}).error().message,
+            "keep topology: points have none to keep; leave it out");
+  EXPECT_TRUE(build_hierarchy(points, {.weights = std::vector<double>(points.positions.size(), 2)}));
+  EXPECT_EQ(build_hierarchy(PointSet{}).error().message, "expected points, found none");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <vector>
 
+#include <armature/sdk/distance/measure.h>
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/hierarchy/level_cursor.h>
 #include <armature/sdk/io/read_mesh.h>
@@ -61,6 +62,14 @@ TEST(LevelCursor, StartsAnywhereAndWalksToTheFinest) {
     expect_level(build->hierarchy, cursor);
     while (cursor.refine()) expect_level(build->hierarchy, cursor);
   }
+}
+
+TEST(LevelCursor, WalksLevelsOfPoints) {
+  const auto build = build_hierarchy(sample_points(ball(3), 150));
+  ASSERT_TRUE(build);
+  LevelCursor cursor(build->hierarchy, build->hierarchy.leaf_count());
+  while (cursor.coarsen()) expect_level(build->hierarchy, cursor);
+  while (cursor.refine()) expect_level(build->hierarchy, cursor);
 }
 
 TEST(LevelCursor, GoesFarAndNear) {

@@ -136,5 +136,27 @@ TEST(PatchBrush, StrokesThatCannotBeAreRefusedByName) {
             std::string::npos);
 }
 
+TEST(PatchBrush, SelectsPointsOnItsOwnSideOfASheet) {
+  PointSet points;
+  for (const double up : {1.0, -1.0})
+    for (int i = 0; i < 11; ++i)
+      for (int j = 0; j < 11; ++j) {
+        points.positions.emplace_back(0.1 * i, 0.1 * j, 0.01 * up);
+        points.normals.emplace_back(0, 0, up);
+      }
+  const auto patch = select_patch(points, {.strokes = {{{0.2, 0.5, 0.01}, {0.8, 0.5, 0.01}}}, .radius = 0.15});
+  ASSERT_TRUE(patch);
+  EXPECT_EQ(patch->size(), 27U);  // 9 of three rows: those at the ends lie 0.14 away
+  for (const VertexId v : *patch) EXPECT_LT(v.index(), 121U);
+  const auto less = select_patch(
+      points, {.strokes = {{{0.2, 0.5, 0.01}, {0.8, 0.5, 0.01}}}, .radius = 0.15, .background = {{{0.8, 0.5, 0.01}}}});
+  ASSERT_TRUE(less);
+  EXPECT_LT(less->size(), patch->size());
+  EXPECT_FALSE(select_patch(points, {.strokes = {{{9, 9, 9}}}, .radius = 0.1}));
+  EXPECT_FALSE(select_patch(points, {.strokes = {{{0, 0, 0}}}, .radius = 0}));
+  EXPECT_FALSE(select_patch(points, {.strokes = {{}}, .radius = 1}));
+  EXPECT_FALSE(select_patch(PointSet{}, {.strokes = {{{0, 0, 0}}}, .radius = 1}));
+}
+
 }  // namespace
 }  // namespace armature::sdk

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -133,6 +134,26 @@ Expected<Sided> remeshed(const sdk::Mesh& model, const std::string& name, const 
   return result;
 }
 
+/// Points of a model and a copy of them, turned or mirrored, beside them.
+struct SidedPoints {
+  Sided sides;  ///< without a mesh
+  sdk::PointSet points = {};
+};
+SidedPoints copied(const sdk::PointSet& model, const std::string& name, bool mirrored) {
+  SidedPoints result{.sides = {.name = "2 copies of " + name + (mirrored ? ", mirrored" : "")}, .points = model};
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : model.positions) box.extend(p);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix() *
+                               Eigen::Vector3d(mirrored ? -1 : 1, 1, 1).asDiagonal();
+  const Eigen::Vector3d there = box.center() + 2 * box.diagonal().norm() * Eigen::Vector3d::UnitX();
+  for (const Eigen::Vector3d& p : model.positions)
+    result.points.positions.emplace_back(turn * (p - box.center()) + there);
+  for (const Eigen::Vector3d& n : model.normals) result.points.normals.emplace_back(turn * n);
+  for (const std::uint32_t side : {0U, 1U})
+    result.sides.side.insert(result.sides.side.end(), model.positions.size(), side);
+  return result;
+}
+
 /// A creature of two halves that mirror one another.
 Sided mirrored_creature(int rounds) {
   Sided result{.name = "mirrored creature", .mesh = creature(rounds), .may_mix = true};
@@ -167,7 +188,7 @@ class DecimateBench : Report {
   [[nodiscard]] static std::vector<std::string> sections() { return names_of(kSections); }
 
  private:
-  static const Sections<DecimateBench, 4> kSections;
+  static const Sections<DecimateBench, 5> kSections;
 
   /// Fewer steps, at which error.
   Expected<void> condensation() {
@@ -245,8 +266,6 @@ class DecimateBench : Report {
     if (!plain) return tl::unexpected(plain.error());
     const auto similar = ours(sdk::build_similar_hierarchy(model.mesh, {}, similarity_, call_.task()));
     if (!similar) return tl::unexpected(similar.error());
-    const Evenness here = evenness_of(similar->build.hierarchy, model);
-    const Evenness there = evenness_of(plain->hierarchy, model);
     const std::size_t spheres = 50 * model.sides;
     std::array<double, 2> mean{};
     const std::array both = {&plain->hierarchy, &similar->build.hierarchy};
@@ -255,15 +274,24 @@ class DecimateBench : Report {
       if (!error) return tl::unexpected(error.error());
       mean[k] = *error;
     }
-    return say({{"section", section_},
-                {"name", model.name},
-                {"even", number(here.all)},
-                {"even_below_200", number(here.below)},
-                {"plain_even", number(there.all)},
-                {"plain_even_below_200", number(there.below)},
-                {"error_ratio_50_a_side", number(mean[1] / mean[0])}},
-               fmt::format("{:<40} {:.3f}, below 200 each {:.3f}; plain {:.3f}, {:.3f}; M12 at 50 each {:.2f}",
-                           model.name, here.all, here.below, there.all, there.below, mean[1] / mean[0]));
+    return say_evenness(model, plain->hierarchy, similar->build.hierarchy, mean[1] / mean[0]);
+  }
+
+  /// `error_ratio`, if it is known: at 50 spheres a side.
+  Expected<void> say_evenness(const Sided& model, const sdk::Hierarchy& plain, const sdk::Hierarchy& similar,
+                              std::optional<double> error_ratio) {
+    const Evenness here = evenness_of(similar, model);
+    const Evenness there = evenness_of(plain, model);
+    Json json = {{"section", section_},
+                 {"name", model.name},
+                 {"even", number(here.all)},
+                 {"even_below_200", number(here.below)},
+                 {"plain_even", number(there.all)},
+                 {"plain_even_below_200", number(there.below)}};
+    if (error_ratio) json["error_ratio_50_a_side"] = number(*error_ratio);
+    return say(json, fmt::format("{:<40} {:.3f}, below 200 each {:.3f}; plain {:.3f}, {:.3f}", model.name, here.all,
+                                 here.below, there.all, there.below) +
+                         (error_ratio ? fmt::format("; M12 at 50 each {:.2f}", *error_ratio) : ""));
   }
 
   /// The mean distance from a mesh to a level of its hierarchy.
@@ -349,16 +377,93 @@ class DecimateBench : Report {
     return {};
   }
 
+  /// Points instead of a mesh: as close to it, as condensed, as even.
+  Expected<void> points() {
+    title(
+        "Points: M12 at 100 and 50 spheres of the mesh, and how many times that of as many points as it has vertices, "
+        "evenly\nby area, and of its vertices with their normals (goal at most 1.10 to 1.25); condensation of points "
+        "below 200 (3)");
+    std::vector<SidedPoints> copies;
+    std::array<double, 4> logs{};
+    std::size_t count = 0;
+    for (const char* name :
+         {"vh_camel.off", "ca_ants27.off", "c3d_cow.obj", "os_cat-low-resolution.obj", "nr3d_gorilla0.off",
+          "nr3d_centaur0.off", "vm_bear.off", "vm_dolphin.off", "vm_chair.off", "vh_horse.off", ""}) {
+      const bool ours_too = name[0] == '\0';
+      const std::filesystem::path path = std::filesystem::path(options_.models) / name;
+      if (!ours_too && (options_.models.empty() || !std::filesystem::exists(path))) continue;
+      const auto mesh = ours_too ? Expected<sdk::Mesh>(creature(5)) : ours(sdk::read_mesh(path, {}, call_.task()));
+      if (!mesh) return tl::unexpected(mesh.error());
+      const std::string called = ours_too ? "creature" : name;
+      const sdk::PointSet samples = sdk::sample_points(*mesh, mesh->positions.size());
+      sdk::PointSet vertices = sdk::point_set_of(*mesh);
+      vertices.areas.clear();
+      const auto of_mesh = ours(sdk::build_hierarchy(*mesh, {}, call_.task()));
+      const auto of_samples = ours(sdk::build_hierarchy(samples, {}, call_.task()));
+      const auto of_vertices = ours(sdk::build_hierarchy(vertices, {}, call_.task()));
+      const auto similar = ours(sdk::build_similar_hierarchy(samples, {}, similarity_, call_.task()));
+      for (const auto* built : {&of_mesh, &of_samples, &of_vertices})
+        if (!*built) return tl::unexpected(built->error());
+      if (!similar) return tl::unexpected(similar.error());
+      const auto fewer = condensation_of(similar->build.hierarchy);
+      Json json = {{"section", section_},
+                   {"name", called},
+                   {"points", samples.positions.size()},
+                   {"condensed_below_200", number(fewer.below)}};
+      std::string line = fmt::format("{:<26} {:6}", called, samples.positions.size());
+      std::size_t at = 0;
+      for (const std::size_t spheres : {100U, 50U}) {
+        std::array<double, 3> mean{};
+        const std::array all = {&of_mesh->hierarchy, &of_samples->hierarchy, &of_vertices->hierarchy};
+        for (std::size_t k = 0; k < all.size(); ++k) {
+          const auto error = error_at(*mesh, *all[k], spheres);
+          if (!error) return tl::unexpected(error.error());
+          mean[k] = *error;
+        }
+        json[fmt::format("error_{}", spheres)] = number(mean[0]);
+        json[fmt::format("samples_ratio_{}", spheres)] = number(mean[1] / mean[0]);
+        json[fmt::format("vertices_ratio_{}", spheres)] = number(mean[2] / mean[0]);
+        line += fmt::format("  {}: {:.3f} {:.2f} {:.2f}", spheres, mean[0], mean[1] / mean[0], mean[2] / mean[0]);
+        for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) logs[at++] += std::log(mean[k] / mean[0]);
+      }
+      ++count;
+      if (auto said = say(json, line + fmt::format("  {:.1f}", fewer.below)); !said) return said;
+      if (ours_too || called == "vh_camel.off" || called == "ca_ants27.off")
+        for (const bool mirrored : {false, true}) copies.push_back(copied(samples, called, mirrored));
+    }
+    for (double& log : logs) log = std::exp(log / static_cast<double>(count));
+    if (auto said = say({{"section", section_},
+                         {"name", "geometric mean"},
+                         {"samples_ratio_100", number(logs[0])},
+                         {"vertices_ratio_100", number(logs[1])},
+                         {"samples_ratio_50", number(logs[2])},
+                         {"vertices_ratio_50", number(logs[3])}},
+                        fmt::format("{:<33}  100:       {:.2f} {:.2f}  50:       {:.2f} {:.2f}", "geometric mean",
+                                    logs[0], logs[1], logs[2], logs[3]));
+        !said)
+      return said;
+    title("Copies of points: the share of levels at which both have the same number of spheres (goal 0.9 below 200)");
+    for (const SidedPoints& model : copies) {
+      const auto plain = ours(sdk::build_hierarchy(model.points, {}, call_.task()));
+      if (!plain) return tl::unexpected(plain.error());
+      const auto similar = ours(sdk::build_similar_hierarchy(model.points, {}, similarity_, call_.task()));
+      if (!similar) return tl::unexpected(similar.error());
+      if (auto said = say_evenness(model.sides, plain->hierarchy, similar->build.hierarchy, {}); !said) return said;
+    }
+    return {};
+  }
+
   DecimateBenchOptions options_;
   sdk::SimilarityOptions similarity_;
   SdkCall call_;
   std::string section_;
 };
 
-const Sections<DecimateBench, 4> DecimateBench::kSections = {{{"condensation", &DecimateBench::condensation},
+const Sections<DecimateBench, 5> DecimateBench::kSections = {{{"condensation", &DecimateBench::condensation},
                                                               {"symmetry", &DecimateBench::symmetry},
                                                               {"growth", &DecimateBench::growth},
-                                                              {"descriptors", &DecimateBench::descriptors}}};
+                                                              {"descriptors", &DecimateBench::descriptors},
+                                                              {"points", &DecimateBench::points}}};
 
 }  // namespace
 

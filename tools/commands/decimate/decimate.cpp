@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include <armature/sdk/decimation/similar_decimation.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
@@ -45,10 +46,12 @@ struct Outcome {
   std::string what;  ///< for people
 };
 
-Expected<Outcome> decimate_spheres(const Arguments& arguments, const sdk::Mesh& mesh, const sdk::Task& task) {
+Expected<Outcome> decimate_spheres(const Arguments& arguments, const sdk::MeshOrPoints& shape, const sdk::Task& task) {
   sdk::HierarchyOptions options;
   if (arguments.hierarchy_out.empty()) options.stop_at = arguments.target;
-  const auto similar = ours(sdk::build_similar_hierarchy(mesh, options, arguments.similarity, task));
+  const auto similar = ours(std::visit(
+      [&](const auto& known) { return sdk::build_similar_hierarchy(known, options, arguments.similarity, task); },
+      shape));
   if (!similar) return fail(arguments.in + ": " + similar.error().message);
   const sdk::Hierarchy& hierarchy = similar->build.hierarchy;
   if (!arguments.hierarchy_out.empty())
@@ -68,7 +71,11 @@ Expected<Outcome> decimate_spheres(const Arguments& arguments, const sdk::Mesh& 
                                      level->edges.size(), level->triangles.size())};
 }
 
-Expected<Outcome> decimate_mesh(const Arguments& arguments, const sdk::Mesh& mesh, const sdk::Task& task) {
+Expected<Outcome> decimate_mesh(const Arguments& arguments, const sdk::MeshOrPoints& shape, const sdk::Task& task) {
+  if (const auto* points = std::get_if<sdk::PointSet>(&shape))
+    return fail(fmt::format("{}: has {} points and no faces; --kind mesh needs a mesh, --kind spheres takes points",
+                            arguments.in, points->positions.size()));
+  const auto& mesh = std::get<sdk::Mesh>(shape);
   const auto similar =
       ours(sdk::decimate_similar_mesh(mesh, {.vertices = arguments.target}, arguments.similarity, task));
   if (!similar) return fail(arguments.in + ": " + similar.error().message);
@@ -83,7 +90,7 @@ Expected<Outcome> decimate_mesh(const Arguments& arguments, const sdk::Mesh& mes
 }
 
 constexpr std::array<
-    std::pair<const char*, Expected<Outcome> (*)(const Arguments&, const sdk::Mesh&, const sdk::Task&)>, 2>
+    std::pair<const char*, Expected<Outcome> (*)(const Arguments&, const sdk::MeshOrPoints&, const sdk::Task&)>, 2>
     kKinds = {{{"spheres", decimate_spheres}, {"mesh", decimate_mesh}}};
 
 Expected<void> run_decimate(Arguments arguments) {
@@ -95,13 +102,14 @@ Expected<void> run_decimate(Arguments arguments) {
     return fail("--hierarchy: holds spheres; leave it out with --kind mesh");
   SdkCall call;
   const auto start = std::chrono::steady_clock::now();
-  const auto mesh = ours(sdk::read_mesh(arguments.in, {}, call.task()));
-  if (!mesh) return tl::unexpected(mesh.error());
+  const auto shape = ours(sdk::read_mesh_or_points(arguments.in, {}, call.task()));
+  if (!shape) return tl::unexpected(shape.error());
   const double read_ms = milliseconds_since(start);
-  if (arguments.target > mesh->positions.size())
-    return fail(fmt::format("{}: has {} vertices; --target takes at most as many, {} were asked for", arguments.in,
-                            mesh->positions.size(), arguments.target));
-  const auto outcome = choice_of(kKinds, arguments.kind)(arguments, *mesh, call.task());
+  const std::size_t vertices = std::visit([](const auto& known) { return known.positions.size(); }, *shape);
+  if (arguments.target > vertices)
+    return fail(fmt::format("{}: has {} {}; --target takes at most as many, {} were asked for", arguments.in, vertices,
+                            std::holds_alternative<sdk::Mesh>(*shape) ? "vertices" : "points", arguments.target));
+  const auto outcome = choice_of(kKinds, arguments.kind)(arguments, *shape, call.task());
   if (!outcome) return tl::unexpected(outcome.error());
   if (arguments.json)
     return write_json_line(stdout, {{"levels", outcome->levels},
@@ -118,8 +126,8 @@ Expected<void> run_decimate(Arguments arguments) {
 
 void add_decimate(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("decimate", "Simplify a mesh, like regions together");
-  command->add_option("IN", arguments->in, "a triangle mesh")->required();
+  CLI::App* command = app.add_subcommand("decimate", "Simplify a mesh, or points with normals, like regions together");
+  command->add_option("IN", arguments->in, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
   command->add_option("OUT", arguments->out, "spheres as .ma, .ply or .urdf; with --kind mesh: OBJ, OFF or PLY")
       ->required();
   command->add_option("--target", arguments->target, "how many spheres, or vertices, to reach")
@@ -149,10 +157,11 @@ void add_decimate(CLI::App& app, Run& run) {
   command->footer(
       "Each step collapses the cheapest edge and all edges whose regions are like its own and far enough apart, so\n"
       "that what is alike stays alike, and a hierarchy has fewer steps to walk through. --similar 0 is the plain\n"
-      "decimation of `armature spheremesh build`, bit by bit.\n\n"
+      "decimation of `armature spheremesh build`, bit by bit. Points are joined to their neighbours for it.\n\n"
       "Examples:\n"
       "  armature decimate cow.obj cow.ma --target 60\n"
       "  armature decimate cow.obj cow.ma --target 60 --adaptive --hierarchy cow.smh\n"
+      "  armature decimate scan.xyz scan.ma --target 60\n"
       "  armature decimate cow.obj coarse.obj --target 2000 --kind mesh");
   command->callback([arguments, &run] { run = [arguments] { return run_decimate(*arguments); }; });
 }

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/descriptors/descriptors.h>
 #include <armature/sdk/editing/region_edits.h>
 #include <armature/sdk/editing/vertex_edits.h>
@@ -85,13 +86,22 @@ struct Select {
   }
 };
 
+/// The descriptor of every point by name, where no faces are needed.
+template <sdk::GlsAggregation aggregation>
+sdk::Expected<std::unique_ptr<sdk::Descriptor>> gls_of(const sdk::PointSet& points, const sdk::Task& task) {
+  const auto fits = sdk::GrowingLeastSquares::build(points, {}, task);
+  if (!fits) return tl::unexpected(fits.error());
+  return sdk::gls_descriptor(*fits, aggregation, task);
+}
+using MakePointDescriptor = sdk::Expected<std::unique_ptr<sdk::Descriptor>> (*)(const sdk::PointSet&, const sdk::Task&);
+constexpr std::array<std::pair<const char*, MakePointDescriptor>, 2> kPointMaps = {
+    {{"gls", gls_of<sdk::GlsAggregation::Mean>}, {"gls-histogram", gls_of<sdk::GlsAggregation::Histograms>}}};
+
 /// The descriptor of every vertex by name.
 template <sdk::GlsAggregation aggregation>
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> gls(const sdk::Surface& surface, std::span<const sdk::FaceId>,
                                                     const sdk::Task& task) {
-  const auto fits = sdk::GrowingLeastSquares::build(sdk::point_set_of(surface.mesh), {}, task);
-  if (!fits) return tl::unexpected(fits.error());
-  return sdk::gls_descriptor(*fits, aggregation, task);
+  return gls_of<aggregation>(sdk::point_set_of(surface.mesh), task);
 }
 template <auto signature>
 sdk::Expected<std::unique_ptr<sdk::Descriptor>> spectral(const sdk::Surface& surface, std::span<const sdk::FaceId>,
@@ -143,6 +153,16 @@ constexpr std::array<std::pair<const char*, MakeDescriptor>, 7> kMaps = {
      {"wks", spectral<sdk::wave_kernel_signature>},
      {"psc", psc}}};
 
+/// By the similarity of every vertex to some of them.
+sdk::Expected<std::vector<double>> weights_by(sdk::Expected<std::unique_ptr<sdk::Descriptor>> descriptor,
+                                              std::span<const sdk::VertexId> reference, const Arguments& arguments,
+                                              const sdk::Task& task) {
+  if (!descriptor) return tl::unexpected(descriptor.error());
+  const auto unlike = sdk::dissimilarities(**descriptor, reference, task);
+  if (!unlike) return tl::unexpected(unlike.error());
+  return sdk::edit_weights(sdk::similarity_map(*unlike, arguments.share), {arguments.from, arguments.to});
+}
+
 /// What all edits work on.
 struct Job {
   const Arguments& arguments;
@@ -155,16 +175,12 @@ struct Job {
 
   /// By the similarity of every vertex to the selection.
   [[nodiscard]] sdk::Expected<std::vector<double>> weights() const {
-    const auto descriptor = choice_of(kMaps, arguments.map)(surface, found.reference(), task);
-    if (!descriptor) return tl::unexpected(descriptor.error());
     std::vector<sdk::VertexId> vertices;
     for (const sdk::FaceId face : found.reference())
       for (const sdk::VertexId v : surface.mesh.triangle(face)) vertices.push_back(v);
     std::ranges::sort(vertices);
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    const auto unlike = sdk::dissimilarities(**descriptor, vertices, task);
-    if (!unlike) return tl::unexpected(unlike.error());
-    return sdk::edit_weights(sdk::similarity_map(*unlike, arguments.share), {arguments.from, arguments.to});
+    return weights_by(choice_of(kMaps, arguments.map)(surface, found.reference(), task), vertices, arguments, task);
   }
   [[nodiscard]] sdk::Expected<sdk::Mesh> everywhere(const sdk::RegionEdit& edit) const {
     return sdk::transported(surface, found.reference(), matches(), edit, {}, task);
@@ -223,53 +239,107 @@ constexpr std::array<std::pair<const char*, Op>, 7> kOps = {{{"alike", alike},
                                                              {"sharpen", sharpen},
                                                              {"smooth", smooth}}};
 
+/// What an edit took, and how many regions it was carried to.
+struct Took {
+  double select_ms = 0, edit_ms = 0;
+  std::size_t matches = 0;
+};
+
+Expected<void> tell(const Arguments& arguments, std::span<const Eigen::Vector3d> before,
+                    std::span<const Eigen::Vector3d> after, const Took& took) {
+  std::size_t moved = 0;
+  double farthest = 0;
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    const double way = (after[v] - before[v]).norm();
+    moved += way > 0 ? 1U : 0U;
+    farthest = std::max(farthest, way);
+  }
+  if (arguments.json)
+    return write_json_line(stdout, {{"matches", took.matches},
+                                    {"moved", moved},
+                                    {"farthest", number(farthest)},
+                                    {"select_ms", number(took.select_ms)},
+                                    {"edit_ms", number(took.edit_ms)}});
+  fmt::print("{}: moved {} of {} vertices, by {:.4g} at most; {} matches\n", arguments.out, moved, before.size(),
+             farthest, took.matches);
+  return {};
+}
+
+Expected<void> edit_mesh(const Arguments& arguments, const sdk::Mesh& mesh, const sdk::Task& task) {
+  if (const std::string wrong = wrong_mesh_name(arguments.out); !wrong.empty()) return fail(wrong);
+  const auto gesture = read_gesture(arguments.gesture, mesh.triangles.size());
+  if (!gesture) return tl::unexpected(gesture.error());
+  const auto start = std::chrono::steady_clock::now();
+  const sdk::Surface surface(mesh);
+  const auto found = std::visit(Select{surface, arguments.expand, task}, *gesture);
+  if (!found) return fail(arguments.gesture + ": " + found.error().message);
+  Took took{.select_ms = milliseconds_since(start)};
+  const auto began = std::chrono::steady_clock::now();
+  const Job job{arguments, surface, *found, task};
+  const auto edited = ours(choice_of(kOps, arguments.op)(job));
+  if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
+  took.edit_ms = milliseconds_since(began);
+  took.matches = job.matches().size();
+  if (auto written = ours(sdk::write_mesh(*edited, arguments.out)); !written) return written;
+  return tell(arguments, mesh.positions, edited->positions, took);
+}
+
+/// By a map and along normals: what needs no faces.
+Expected<void> edit_points(const Arguments& arguments, const sdk::PointSet& points, const sdk::Task& task) {
+  const auto refuse = [&](const char* what) {
+    return fail(fmt::format("{}: has {} points and no faces; {}", arguments.mesh, points.positions.size(), what));
+  };
+  if (const std::string wrong = wrong_points_name(arguments.out); !wrong.empty()) return fail(wrong);
+  if (arguments.op != "displace" && arguments.op != "paint")
+    return refuse("--op displace and paint work on points, the others on meshes");
+  if (arguments.expand > 0) return refuse("--expand needs a mesh; leave it out to edit by the map");
+  const auto map = std::ranges::find(kPointMaps, arguments.map, [](const auto& known) { return known.first; });
+  if (map == kPointMaps.end()) return refuse("--map gls and gls-histogram work on points, the others on meshes");
+  const auto gesture = read_gesture(arguments.gesture, 0);
+  if (!gesture) return tl::unexpected(gesture.error());
+  const auto* patch = std::get_if<PatchGesture>(&*gesture);
+  if (patch == nullptr) return refuse("a gesture of the tool patch selects points, the others faces");
+  const auto start = std::chrono::steady_clock::now();
+  const auto reference = sdk::select_patch(points, patch->drawn);
+  if (!reference) return fail(arguments.gesture + ": " + reference.error().message);
+  Took took{.select_ms = milliseconds_since(start)};
+  const auto began = std::chrono::steady_clock::now();
+  const auto edited =
+      ours(weights_by(map->second(points, task), *reference, arguments, task).and_then([&](auto weights) {
+        if (arguments.op == "displace") {
+          Eigen::AlignedBox3d box;
+          for (const Eigen::Vector3d& p : points.positions) box.extend(p);
+          return sdk::displaced(points, weights, arguments.amount * box.diagonal().norm());
+        }
+        for (double& weight : weights) weight *= std::clamp(arguments.amount, 0.0, 1.0);
+        return sdk::painted(points, weights, kPaint);
+      }));
+  if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
+  took.edit_ms = milliseconds_since(began);
+  if (auto written = ours(sdk::write_points(*edited, arguments.out)); !written) return written;
+  return tell(arguments, points.positions, edited->positions, took);
+}
+
 Expected<void> run_edit(const Arguments& arguments) {
   if (!(arguments.to > arguments.from)) return fail("--to: expected more than --from");
   if (!std::isfinite(arguments.amount)) return fail("--amount: expected a finite number");
   if (!(arguments.share > 0 && arguments.share <= 1)) return fail("--share: expected more than 0 and at most 1");
   SdkCall call;
-  const auto mesh = ours(sdk::read_mesh(arguments.mesh, {}, call.task()));
-  if (!mesh) return tl::unexpected(mesh.error());
-  const auto gesture = read_gesture(arguments.gesture, mesh->triangles.size());
-  if (!gesture) return tl::unexpected(gesture.error());
-  const auto start = std::chrono::steady_clock::now();
-  const sdk::Surface surface(*mesh);
-  const sdk::Task task = call.task();
-  const auto found = std::visit(Select{surface, arguments.expand, task}, *gesture);
-  if (!found) return fail(arguments.gesture + ": " + found.error().message);
-  const double select_ms = milliseconds_since(start);
-  const auto began = std::chrono::steady_clock::now();
-  const Job job{arguments, surface, *found, task};
-  const auto edited = ours(choice_of(kOps, arguments.op)(job));
-  if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
-  const double edit_ms = milliseconds_since(began);
-  if (auto written = ours(sdk::write_mesh(*edited, arguments.out)); !written) return written;
-  std::size_t moved = 0;
-  double farthest = 0;
-  for (std::size_t v = 0; v < mesh->positions.size(); ++v) {
-    const double way = (edited->positions[v] - mesh->positions[v]).norm();
-    moved += way > 0 ? 1U : 0U;
-    farthest = std::max(farthest, way);
-  }
-  const std::size_t matches = job.matches().size();
-  if (arguments.json)
-    return write_json_line(stdout, {{"matches", matches},
-                                    {"moved", moved},
-                                    {"farthest", number(farthest)},
-                                    {"select_ms", number(select_ms)},
-                                    {"edit_ms", number(edit_ms)}});
-  fmt::print("{}: moved {} of {} vertices, by {:.4g} at most; {} matches\n", arguments.out, moved,
-             mesh->positions.size(), farthest, matches);
-  return {};
+  const auto shape = ours(sdk::read_mesh_or_points(arguments.mesh, {}, call.task()));
+  if (!shape) return tl::unexpected(shape.error());
+  if (const auto* points = std::get_if<sdk::PointSet>(&*shape)) return edit_points(arguments, *points, call.task());
+  return edit_mesh(arguments, std::get<sdk::Mesh>(*shape), call.task());
 }
 
 }  // namespace
 
 void add_edit(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("edit", "Edit a mesh at a selection and at all that is like it");
-  command->add_option("MESH", arguments->mesh, "a triangle mesh")->required();
-  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY")->required()->check(wrong_mesh_name);
+  CLI::App* command = app.add_subcommand("edit", "Edit a mesh, or points, at a selection and at all that is like it");
+  command->add_option("MESH", arguments->mesh, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
+  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY; of points: PLY, OBJ or XYZ")
+      ->required()
+      ->check(wrong_shape_name);
   command->add_option("--gesture", arguments->gesture, "what is selected, as for `armature select`")
       ->required()
       ->type_name("G.json");
@@ -301,10 +371,12 @@ void add_edit(CLI::App& app, Run& run) {
   command->footer(
       "By a map: displace, smooth, sharpen, paint. By regions (--expand): displace, smooth, paint, pull (a handle in\n"
       "the middle), copy (the others take the selection's shape), alike (towards their mean; away for a negative\n"
-      "amount). Regions are edited up to their boundary, where the edit has faded.\n\n"
+      "amount). Regions are edited up to their boundary, where the edit has faded. Points, which have no faces, are\n"
+      "displaced and painted by --map gls or gls-histogram, from a gesture of the tool patch.\n\n"
       "Examples:\n"
       "  echo '{\"tool\":\"component\",\"face\":0}' > click.json\n"
       "  armature edit engine.obj larger.obj --gesture click.json --op displace --amount 0.01 --expand 8\n"
+      "  armature edit scan.xyz map.ply --gesture patch.json --op paint --amount 1\n"
       "  armature edit cow.obj bumpy.obj --gesture patch.json --map wks --op displace --amount 0.02");
   command->callback([arguments, &run] { run = [arguments] { return run_edit(*arguments); }; });
 }

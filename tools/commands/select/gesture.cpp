@@ -48,6 +48,7 @@ class Reader : public InputJson {
   Expected<Gesture> component(const Json& json) const {
     if (auto checked = only_keys(json, {"tool", "face"}); !checked) return tl::unexpected(checked.error());
     const auto face = json.find("face");
+    if (faces_ == 0) return refuse("\"tool\"", "there is no face to click on; expected \"patch\"");
     if (face == json.end()) return refuse("\"face\"", "is missing; expected the number of a face, from 0");
     if (!face->is_number_unsigned() || face->get<std::uint64_t>() >= faces_)
       return refuse("\"face\"", fmt::format("expected a whole number from 0 to {}, the mesh's last face, found {}",
@@ -167,7 +168,6 @@ const std::array<std::pair<const char*, Reader::Tool>, 4> Reader::kTools = {
 }  // namespace
 
 Expected<Gesture> parse_gesture(std::string_view bytes, std::string_view name, std::size_t faces) {
-  if (faces == 0) return fail(fmt::format("{}: the mesh has no face to select", name));
   const Reader reader(name, faces);
   return reader.parse(bytes).and_then([&](const Json& json) { return reader.gesture(json); });
 }

@@ -40,9 +40,9 @@ struct LassoGesture {
 /// What a user does to select a region.
 using Gesture = std::variant<ComponentGesture, PartGesture, PatchGesture, LassoGesture>;
 
-/// Reads a gesture from JSON, for a mesh of so many faces. Refused in one line with the place: what is not JSON, keys
-/// that are unknown, missing or there twice, numbers that are not finite, faces that are not there. `name` stands for
-/// the file in messages.
+/// Reads a gesture from JSON, for a mesh of so many faces, 0 for points. Refused in one line with the place: what is
+/// not JSON, keys that are unknown, missing or there twice, numbers that are not finite, faces that are not there.
+/// `name` stands for the file in messages.
 [[nodiscard]] Expected<Gesture> parse_gesture(std::string_view bytes, std::string_view name, std::size_t faces);
 
 /// The same of a file.

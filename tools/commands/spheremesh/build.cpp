@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <armature/sdk/hierarchy/build.h>
@@ -39,7 +41,8 @@ struct BuildOptions {
 
 constexpr std::size_t kDefaultSpheres = 50;
 
-Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, const sdk::Mesh& mesh) {
+Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, std::size_t vertices,
+                                                  std::span<const sdk::Colour> colours) {
   sdk::HierarchyOptions result = options.paper ? sdk::HierarchyOptions::paper() : sdk::HierarchyOptions{};
   result.importance = options.importance.value_or(result.importance);
   result.regularise = options.regularise.value_or(result.regularise);
@@ -47,20 +50,20 @@ Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, c
   result.enrichment = options.enrichment;
   result.keep_topology = options.keep_topology;
   if (!options.pins.empty()) {
-    auto pins = read_pins(options.pins, mesh.positions.size());
+    auto pins = read_pins(options.pins, vertices);
     if (!pins) return tl::unexpected(pins.error());
     result.pinned = std::move(*pins);
   }
   if (!options.labels.empty()) {
-    auto labels = read_labels(options.labels, mesh.positions.size());
+    auto labels = read_labels(options.labels, vertices);
     if (!labels) return tl::unexpected(labels.error());
     result.labels = std::move(*labels);
   }
   if (options.painted) {
-    if (mesh.vertex_colours.empty())
+    if (colours.empty())
       return fail(options.in +
                   ": --painted needs vertices with colours; it has none (--labels takes labels from a file)");
-    result.labels = labels_of_paint(mesh);
+    result.labels = labels_of_paint(colours);
   }
   return result;
 }
@@ -98,20 +101,26 @@ Expected<void> build(const BuildOptions& options) {
   SdkCall call;
   reset_peak_memory();
   const auto start = std::chrono::steady_clock::now();
-  const auto mesh = ours(sdk::read_mesh(options.in, {}, call.task()));
-  if (!mesh) return tl::unexpected(mesh.error());
+  const auto shape = ours(sdk::read_mesh_or_points(options.in, {}, call.task()));
+  if (!shape) return tl::unexpected(shape.error());
+  const auto* const mesh = std::get_if<sdk::Mesh>(&*shape);
+  const auto* const points = std::get_if<sdk::PointSet>(&*shape);
   const double read_ms = milliseconds_since(start);
 
-  const std::size_t vertices = mesh->positions.size();
+  const std::size_t vertices = mesh != nullptr ? mesh->positions.size() : points->positions.size();
+  if (mesh == nullptr && (options.refine || options.inner || options.outer || options.error_percent))
+    return fail(fmt::format("{}: has {} points and no faces; --refine, --inner, --outer and --error need a mesh",
+                            options.in, vertices));
   std::size_t spheres = options.spheres.value_or(std::min(kDefaultSpheres, vertices));
   if (spheres > vertices) {
     return fail(fmt::format("{}: {} spheres from {} vertices; --spheres takes at most as many as there are vertices",
                             options.in, spheres, vertices));
   }
-  auto settings = hierarchy_options(options, *mesh);
+  auto settings = hierarchy_options(options, vertices, mesh != nullptr ? mesh->vertex_colours : points->colours);
   if (!settings) return tl::unexpected(settings.error());
   if (options.hierarchy_out.empty() && !options.error_percent) settings->stop_at = spheres;
-  const auto built = ours(sdk::build_hierarchy(*mesh, *settings, call.task()));
+  const auto built =
+      ours(std::visit([&](const auto& known) { return sdk::build_hierarchy(known, *settings, call.task()); }, *shape));
   if (!built) return fail(options.in + ": " + built.error().message);
   const sdk::Hierarchy& hierarchy = built->hierarchy;
   if (!options.spheres) spheres = std::max(spheres, hierarchy.min_spheres());
@@ -137,20 +146,20 @@ Expected<void> build(const BuildOptions& options) {
     refine_ms += milliseconds_since(before);
     return refined;
   };
-  const auto shape = ours(options.error_percent ? sdk::fewest_spheres(*mesh,
-                                                                      {.percent = *options.error_percent,
-                                                                       .least = hierarchy.min_spheres(),
-                                                                       .most = hierarchy.leaf_count()},
-                                                                      approximate, call.task())
-                                                : approximate(spheres));
-  if (!shape) return fail(options.in + ": " + shape.error().message);
+  const auto result = ours(options.error_percent ? sdk::fewest_spheres(*mesh,
+                                                                       {.percent = *options.error_percent,
+                                                                        .least = hierarchy.min_spheres(),
+                                                                        .most = hierarchy.leaf_count()},
+                                                                       approximate, call.task())
+                                                 : approximate(spheres));
+  if (!result) return fail(options.in + ": " + result.error().message);
 
-  if (auto written = ours(sdk::write_sphere_mesh(*shape, options.out, call.task())); !written) return written;
+  if (auto written = ours(sdk::write_sphere_mesh(*result, options.out, call.task())); !written) return written;
   const sdk::BuildStatistics& took = built->statistics;
   if (options.json) {
-    return write_json_line(stdout, {{"spheres", shape->spheres.size()},
-                                    {"edges", shape->edges.size()},
-                                    {"triangles", shape->triangles.size()},
+    return write_json_line(stdout, {{"spheres", result->spheres.size()},
+                                    {"edges", result->edges.size()},
+                                    {"triangles", result->triangles.size()},
                                     {"read_ms", number(read_ms)},
                                     {"init_ms", number(took.init_ms)},
                                     {"decimate_ms", number(took.decimate_ms)},
@@ -159,8 +168,8 @@ Expected<void> build(const BuildOptions& options) {
                                     {"compactness", number(took.compactness)},
                                     {"peak_mb", number(peak_memory_mb())}});
   }
-  std::printf("%s\n", fmt::format("{}: {} spheres, {} wire edges, {} triangles", options.out, shape->spheres.size(),
-                                  shape->edges.size(), shape->triangles.size())
+  std::printf("%s\n", fmt::format("{}: {} spheres, {} wire edges, {} triangles", options.out, result->spheres.size(),
+                                  result->edges.size(), result->triangles.size())
                           .c_str());
   return {};
 }
@@ -169,8 +178,9 @@ Expected<void> build(const BuildOptions& options) {
 
 void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   auto options = std::make_shared<BuildOptions>();
-  CLI::App* command = spheremesh.add_subcommand("build", "Approximate a mesh by a few interpolated spheres.");
-  command->add_option("IN", options->in, "a triangle mesh")->required();
+  CLI::App* command =
+      spheremesh.add_subcommand("build", "Approximate a mesh, or points, by a few interpolated spheres.");
+  command->add_option("IN", options->in, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
   command->add_option("OUT", options->out, "the sphere-mesh: .ma, .ply (with radius) or .urdf (spheres alone)")
       ->required()
       ->check(wrong_sphere_mesh_name);

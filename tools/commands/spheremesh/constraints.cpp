@@ -111,10 +111,10 @@ Expected<std::vector<std::uint32_t>> read_labels(const std::string& file, std::s
   return labels;
 }
 
-std::vector<std::uint32_t> labels_of_paint(const sdk::Mesh& mesh) {
+std::vector<std::uint32_t> labels_of_paint(std::span<const sdk::Colour> colours) {
   std::vector<std::uint32_t> labels;
-  labels.reserve(mesh.vertex_colours.size());
-  for (const auto& [red, green, blue] : mesh.vertex_colours)
+  labels.reserve(colours.size());
+  for (const auto& [red, green, blue] : colours)
     labels.push_back(std::uint32_t{red} << 16U | std::uint32_t{green} << 8U | blue);
   return labels;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,6 @@ namespace armature::tools {
 [[nodiscard]] Expected<std::vector<std::uint32_t>> read_labels(const std::string& file, std::size_t vertices);
 
 /// A label for each vertex: its colour. Of a mesh whose vertices have colours.
-[[nodiscard]] std::vector<std::uint32_t> labels_of_paint(const sdk::Mesh& mesh);
+[[nodiscard]] std::vector<std::uint32_t> labels_of_paint(std::span<const sdk::Colour> colours);
 
 }  // namespace armature::tools

@@ -9,6 +9,7 @@
 #include <armature/sdk/hierarchy/build.h>
 #include <armature/sdk/hierarchy/decimate_mesh.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/task.h>
 
 namespace armature::sdk {
@@ -46,6 +47,11 @@ struct SimilarityOptions {
                                                                       const SimilarityOptions& options,
                                                                       const Task& task = {});
 
+/// The same of points. Those without areas count alike.
+[[nodiscard]] Expected<std::unique_ptr<Descriptor>> region_descriptor(const PointSet& points,
+                                                                      const SimilarityOptions& options,
+                                                                      const Task& task = {});
+
 /// A hierarchy of fewer steps.
 struct SimilarBuild {
   HierarchyBuild build;        ///< its hierarchy's steps are those of collapses done together
@@ -59,6 +65,11 @@ struct SimilarBuild {
 /// three times as long, descriptors left out. Deterministic. Refused where build_hierarchy() is, and for options out of
 /// range.
 [[nodiscard]] Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
+                                                             const SimilarityOptions& similarity = {},
+                                                             const Task& task = {});
+/// The same of points with normals, as build_hierarchy() takes them.
+[[nodiscard]] Expected<SimilarBuild> build_similar_hierarchy(const PointSet& points,
+                                                             const HierarchyOptions& options = {},
                                                              const SimilarityOptions& similarity = {},
                                                              const Task& task = {});
 /// The same with a descriptor of the mesh's vertices that is there already.

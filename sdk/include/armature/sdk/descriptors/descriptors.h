@@ -43,6 +43,8 @@ inline constexpr std::size_t kGlsBins = 10;
 /// The two smallest eigenvalues of the quadric of a region over their sum (section 6.3.2); unlike by twice their
 /// distance.
 [[nodiscard]] std::unique_ptr<Descriptor> quadric_descriptor(const Mesh& mesh);
+/// The same of points, each with one plane; without areas they count alike.
+[[nodiscard]] std::unique_ptr<Descriptor> quadric_descriptor(const PointSet& points);
 /// Patch shape contexts (section 5.4.3); unlike by chi-square. `contexts` may go.
 [[nodiscard]] Expected<std::unique_ptr<Descriptor>> patch_shape_context(const Surface& surface,
                                                                         const PatchContexts& contexts,

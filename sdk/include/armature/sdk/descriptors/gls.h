@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <armature/sdk/descriptors/point_set.h>
 #include <armature/sdk/error.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/task.h>
 
 namespace armature::sdk {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <armature/sdk/error.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/spheremesh/sphere_mesh.h>
 #include <armature/sdk/task.h>
 
@@ -42,5 +43,7 @@ struct ApproximationErrors {
 /// About `count` points of a mesh, spread evenly by area: with n of them, each part of the surface holds its share of n
 /// to within a point or two. The same on every run. A mesh without area gives the corners of its faces.
 [[nodiscard]] std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, std::size_t count);
+/// The same with the normals of the faces that they are on; zero where the mesh has no area. Colours are left out.
+[[nodiscard]] PointSet sample_points(const Mesh& mesh, std::size_t count);
 
 }  // namespace armature::sdk

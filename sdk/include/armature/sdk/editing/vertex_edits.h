@@ -6,6 +6,7 @@
 #include <armature/sdk/error.h>
 #include <armature/sdk/laplacian/laplacian.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/task.h>
 
 namespace armature::sdk {
@@ -28,6 +29,8 @@ struct Transfer {
 
 /// p + w d n.
 [[nodiscard]] Expected<Mesh> displaced(const Mesh& mesh, std::span<const double> weights, double distance);
+/// The same of points.
+[[nodiscard]] Expected<PointSet> displaced(const PointSet& points, std::span<const double> weights, double distance);
 /// Implicit smoothing over about `length`, in the model's unit: (M S^-1 + length^2 L) p' = M S^-1 p with the weights as
 /// S (after Desbrun, Meyer, Schroeder, Barr 1999); vertices of weight below 0.001 are held. Stable for any length.
 [[nodiscard]] Expected<Mesh> smoothed(const Mesh& mesh, const Laplacian& laplacian, std::span<const double> weights,
@@ -39,5 +42,7 @@ struct Transfer {
 inline constexpr Colour kPlainColour = {214, 214, 210};
 /// Colours mixed in by weight; more than 1 is 1, less than 0 is 0.
 [[nodiscard]] Expected<Mesh> painted(const Mesh& mesh, std::span<const double> weights, const Colour& colour);
+/// The same of points.
+[[nodiscard]] Expected<PointSet> painted(const PointSet& points, std::span<const double> weights, const Colour& colour);
 
 }  // namespace armature::sdk

@@ -8,6 +8,7 @@
 #include <armature/sdk/error.h>
 #include <armature/sdk/hierarchy/hierarchy.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/task.h>
 
 namespace armature::sdk {
@@ -93,6 +94,14 @@ struct HierarchyBuild {
 /// `compactness` is left out, "looking for staves" and "decimating across". Fails for options out of range and meshes
 /// without vertices.
 [[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const Mesh& mesh, const HierarchyOptions& options = {},
+                                                       const Task& task = {});
+
+/// The same of points with normals. Each stands for a flat disc of its area (estimated from its neighbours where the
+/// set has none) instead of a vertex's cell; what is collapsed are edges between neighbours, and the triangles that
+/// these make, in the tangent plane, are the level's. The hierarchy's leaves are the points. Points without a normal
+/// weigh nothing. The task is also told of "joining points". Refused as well: points without any normal or that
+/// `validate()` refuses, `importance` without `weights`, and `keep_topology`.
+[[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const PointSet& points, const HierarchyOptions& options = {},
                                                        const Task& task = {});
 
 }  // namespace armature::sdk

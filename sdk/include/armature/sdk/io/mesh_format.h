@@ -11,6 +11,7 @@ enum class MeshFormat : std::uint8_t {
   Obj,    ///< Wavefront OBJ: positions, colours of vertices and faces; the rest of it is skipped
   Ply,    ///< Stanford PLY: ASCII or binary, either byte order
   Stl,    ///< stereolithography: ASCII or binary; equal corners become one vertex
+  Xyz,    ///< points: lines X Y Z NX NY NZ (.xyz, .xyzn, .pwn), a line with their number before them or none
   Other,  ///< whatever assimp makes of it; the order of its vertices is not kept
 };
 

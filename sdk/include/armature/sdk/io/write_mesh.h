@@ -7,6 +7,7 @@
 #include <armature/sdk/error.h>
 #include <armature/sdk/io/mesh_format.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/task.h>
 
 namespace armature::sdk {
@@ -25,5 +26,14 @@ struct WriteOptions {
 /// The bytes of such a file. `format` is Obj, Off or Ply.
 [[nodiscard]] Expected<std::string> encode_mesh(const Mesh& mesh, MeshFormat format, bool ascii = false,
                                                 const Task& task = {});
+
+/// Writes points with their normals as PLY, which keeps areas and colours, OBJ (v and vn), which keeps colours, or XYZ.
+/// As write_mesh() else.
+[[nodiscard]] Expected<void> write_points(const PointSet& points, const std::filesystem::path& path,
+                                          const WriteOptions& options = {}, const Task& task = {});
+
+/// The bytes of such a file. `format` is Ply, Obj or Xyz.
+[[nodiscard]] Expected<std::string> encode_points(const PointSet& points, MeshFormat format, bool ascii = false,
+                                                  const Task& task = {});
 
 }  // namespace armature::sdk

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <armature/sdk/error.h>
+#include <armature/sdk/mesh/point_set.h>
 #include <armature/sdk/selection/surface.h>
 
 namespace armature::sdk {
@@ -65,5 +66,9 @@ struct PatchStrokes {
 /// The patch of whole strokes, ascending. Refused, naming the stroke and the point: what `project_stroke()` refuses, no
 /// stroke, strokes without a point, and a radius that is not positive.
 [[nodiscard]] Expected<std::vector<FaceId>> select_patch(const Surface& surface, const PatchStrokes& drawn);
+
+/// The same of points with normals, by what the brush touches alone: those within the radius of a stroke that face the
+/// side which the closest point to it faces, without those that the background touches so. Ascending.
+[[nodiscard]] Expected<std::vector<VertexId>> select_patch(const PointSet& points, const PatchStrokes& drawn);
 
 }  // namespace armature::sdk

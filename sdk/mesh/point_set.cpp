@@ -3,10 +3,10 @@
 #include <limits>
 #include <string>
 
-#include <armature/sdk/descriptors/point_set.h>
 #include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/mesh/point_set.h>
 
-#include "sdk/descriptors/nearest_point.h"
+#include "sdk/mesh/nearest_point.h"
 
 namespace armature::sdk {
 
@@ -22,6 +22,9 @@ Expected<void> validate(const PointSet& points) {
   if (!points.areas.empty() && points.areas.size() != count)
     return fail("areas: expected one a point, " + std::to_string(count) + ", or none; found " +
                 std::to_string(points.areas.size()));
+  if (!points.colours.empty() && points.colours.size() != count)
+    return fail("colours: expected one a point, " + std::to_string(count) + ", or none; found " +
+                std::to_string(points.colours.size()));
   for (std::size_t i = 0; i < count; ++i) {
     const std::string at = "point " + std::to_string(i) + ": ";
     if (!points.positions[i].allFinite()) return fail(at + "expected a finite position");
