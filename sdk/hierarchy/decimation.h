@@ -59,8 +59,10 @@ class SimilarCollapses {
 
 /// Collapses edges in the order of what they cost by a metric, which offers
 ///   fit(a, b)               the best placement of the union of two slots, seen from `a`: `centre()` and `cost`
+///   width(a, b)             what bounds it; with `similar` alone
+///   fit(a, b, width)        the same for another bound; as well
 ///   cost(a, b, fit)         what ranks the collapse; infinite where it is forbidden
-///   cost(slots)             the same of several slots that become one; with `similar` alone
+///   cost(slots)             the same of several slots that become one; as well
 ///   merge(kept, gone, fit)  gives the union, as seen from `kept`, the slot `kept`
 ///   position(slot)
 ///
@@ -214,6 +216,8 @@ class Decimation {
   void close_group(std::size_t first, bool touches);
   /// The key of what members cost that share ends: of making one of all that they join.
   [[nodiscard]] std::uint32_t joint_key(std::span<const Ready> members) const;
+  /// Finds fits of what corresponds, as if all were as wide as they are on average; the key of the dearest.
+  std::uint32_t fit_alike(std::span<Ready> members);
   /// Chooses a group if all of it is independent, and of one another.
   void choose_whole(Group& group, std::uint32_t& most);
   void give_back(std::uint32_t edge);

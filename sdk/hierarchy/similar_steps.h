@@ -115,6 +115,23 @@ std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) cons
 }
 
 template <class Metric>
+std::uint32_t Decimation<Metric>::fit_alike(std::span<Ready> members) {
+  float width = 0;
+  for (const Ready& member : members) {
+    const auto [a, b] = complex_.edge(member.edge);
+    width += metric_.width(a, b) / static_cast<float>(members.size());
+  }
+  std::uint32_t key = 0;
+  for (Ready& member : members) {
+    const auto [a, b] = complex_.edge(member.edge);
+    member.fit = metric_.fit(a, b, width);
+    member.fitted = true;
+    key = std::max(key, key_of(metric_.cost(a, b, member.fit)) | (complex_.key(member.edge) & kPenalty));
+  }
+  return key;
+}
+
+template <class Metric>
 bool Decimation<Metric>::renew(Ready& ready) {
   const std::uint32_t edge = edge_of({ready.edge, ready.slots});
   if (edge == kNoIndex) return false;
@@ -138,7 +155,10 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     const std::uint32_t joint = touches ? joint_key(members) : 0;
     if (joint >= kForbidden) touches = whole = false;
     std::uint32_t due = complex_.key(ready.edge);
-    for (std::size_t k = first; k < ready_.size(); ++k) due = std::max(due, complex_.key(ready_[k].edge));
+    if (whole && members.size() > 1)
+      due = std::max(due, fit_alike(members));
+    else
+      for (const Ready& member : members) due = std::max(due, complex_.key(member.edge));
     if (touches) due = std::max(due, joint);
     if (!whole && (complex_.note(ready.edge) & Alone) == 0) {
       const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
