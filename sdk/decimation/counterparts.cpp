@@ -14,7 +14,6 @@
 
 #include "sdk/deformation/best_turn.h"
 #include "sdk/descriptors/nearest_point.h"
-#include "sdk/hierarchy/collapse_complex.h"
 
 namespace armature::sdk {
 namespace {
@@ -194,9 +193,17 @@ std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const
 
 }  // namespace
 
-Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task) {
+Expected<Correspondence> find_correspondence(const Mesh& mesh, const Task& task) {
   const std::vector<Part> parts = parts_of(mesh);
-  std::vector<std::uint32_t> classes(mesh.positions.size(), kNoIndex);
+  Correspondence result;
+  auto& classes = result.classes;
+  classes.resize(mesh.positions.size(), kNoIndex);
+  result.copies.resize(mesh.positions.size(), kNoIndex);
+  std::uint32_t models = 0;
+  const auto add_copy = [&](const Part& part) {
+    for (const auto v : part.vertices) result.copies[v] = static_cast<std::uint32_t>(result.models.size());
+    result.models.push_back(models);
+  };
   std::vector<std::uint8_t> done(parts.size(), 0);
   std::uint32_t count = 0;
   std::vector<std::uint32_t> own_counterparts;  // classes of what lies on a plane of symmetry
@@ -216,6 +223,7 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
         if (none <= (1 - kMatched) * static_cast<double>(match.size())) onto_itself.push_back(std::move(match));
       }
     bool any = !onto_itself.empty();
+    bool copied = false;
     for (std::uint32_t i = 0; i < own.size(); ++i) {
       if (own[i] != kNoIndex) continue;
       own[i] = count++;
@@ -243,10 +251,13 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
       best = refined(mesh, first, there, best);
       any = true;
       done[other] = 1;
+      if (std::exchange(copied, true) == false) add_copy(first);
+      add_copy(parts[other]);
       const auto match = matches(mesh, searched, there, best);
       for (std::size_t i = 0; i < match.size(); ++i)
         if (match[i] != kNoIndex) classes[parts[other].vertices[match[i]]] = own[i];
     }
+    if (copied) ++models;
     if (!any) continue;
     for (std::size_t i = 0; i < own.size(); ++i) classes[first.vertices[i]] = own[i];
   }
@@ -257,10 +268,12 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
   for (const auto c : own_counterparts) members[c] = std::max(members[c], 2U);
   for (auto& c : classes)
     if (c != kNoIndex && members[c] < 2) c = kNoIndex;
-  return classes;
+  return result;
 }
 
-Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
+Counterparts::Counterparts(const Correspondence& correspondence)
+    : copy_(correspondence.copies), model_(correspondence.models), left_(model_.size(), 0) {
+  const auto& classes = correspondence.classes;
   if (std::ranges::all_of(classes, [](std::uint32_t c) { return c == kNoIndex; })) return;
   kinds_.resize(classes.size(), 0);
   place_.resize(classes.size(), 0);
@@ -268,6 +281,13 @@ Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
   std::iota(into_.begin(), into_.end(), 0U);
   holds_.resize(classes.size(), kNoIndex);
   next_ = into_;
+  for (const auto copy : copy_)
+    if (copy != kNoIndex) ++left_[copy];
+  for (std::uint32_t copy = 0; copy < model_.size(); ++copy) {
+    copies_.resize(std::max<std::size_t>(copies_.size(), model_[copy] + 1));
+    copies_[model_[copy]].push_back(copy);
+  }
+  joined_.resize(copies_.size(), false);
   std::unordered_map<std::uint32_t, std::uint32_t> of_class;
   for (std::uint32_t v = 0; v < classes.size(); ++v) {
     if (classes[v] == kNoIndex) continue;
@@ -312,12 +332,25 @@ void Counterparts::remove(std::uint32_t slot) {
 void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (kinds_.empty()) return;
   into_[gone] = kept;
+  if (copy_[gone] == copy_[kept]) {
+    if (copy_[kept] != kNoIndex) --left_[copy_[kept]];
+  } else if (copy_[kept] == kNoIndex) {
+    copy_[kept] = copy_[gone];
+  } else if (copy_[gone] != kNoIndex) {
+    joined_[model_[copy_[gone]]] = joined_[model_[copy_[kept]]] = true;
+  }
   if (kinds_[gone] == 0) return;
   remove(kept);
   remove(gone);
   kinds_[kept] += std::exchange(kinds_[gone], 0);
   if (kinds_[kept] != 0) add(kept);
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
+}
+
+std::uint32_t Counterparts::surplus(std::uint32_t copy) const {
+  std::uint32_t least = left_[copy];
+  for (const auto like : copies_like(copy)) least = std::min(least, left_[like]);
+  return left_[copy] - least;
 }
 
 std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot) {

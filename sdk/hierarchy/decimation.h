@@ -55,6 +55,12 @@ class SimilarCollapses {
   virtual std::span<const std::uint32_t> behind(std::uint32_t slot) = 0;
   /// What a slot that was merged, or what it was merged into, is part of now.
   virtual std::uint32_t holder(std::uint32_t slot) = 0;
+  /// The copy of a component that a slot is of, if its copies are to have equally many slots; kNoIndex for none.
+  [[nodiscard]] virtual std::uint32_t copy(std::uint32_t slot) const noexcept = 0;
+  /// All copies of what a copy is one of.
+  [[nodiscard]] virtual std::span<const std::uint32_t> copies_like(std::uint32_t copy) const = 0;
+  /// How many slots a copy has more than the least of those like it.
+  [[nodiscard]] virtual std::uint32_t surplus(std::uint32_t copy) const = 0;
 };
 
 /// Collapses edges in the order of what they cost by a metric, which offers
@@ -129,7 +135,8 @@ class Decimation {
     std::size_t first = 0, count = 0;
     double dissimilarity = 0;
     bool chosen = false;
-    bool touches = false;  // members are near one another
+    bool touches = false;           // members are near one another
+    std::uint32_t copy = kNoIndex;  // that loses a slot by it which others like it keep
   };
 
   /// What is remembered of an edge, as steps look again at what others have left.
@@ -218,6 +225,15 @@ class Decimation {
   [[nodiscard]] std::uint32_t joint_key(std::span<const Ready> members) const;
   /// Finds fits of what corresponds, as if all were as wide as they are on average; the key of the dearest.
   std::uint32_t fit_alike(std::span<Ready> members);
+  /// Has the collapse that is last in `ready_`, of one copy alone, wait for one of each other. Whether they are there:
+  /// then they are in `ready_`, from `first` on.
+  bool pair_up(std::size_t first, std::uint32_t copy);
+  /// The copy that an edge alone would take a slot from; kNoIndex for none.
+  [[nodiscard]] std::uint32_t copy_of(std::uint32_t edge) const {
+    const auto [a, b] = complex_.edge(edge);
+    const std::uint32_t copy = similar_->copy(a);
+    return copy == similar_->copy(b) ? copy : kNoIndex;
+  }
   /// Chooses a group if all of it is independent, and of one another.
   void choose_whole(Group& group, std::uint32_t& most);
   void give_back(std::uint32_t edge);
@@ -254,6 +270,8 @@ class Decimation {
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
   std::vector<Left> rest_;
+  std::vector<std::vector<Ready>> waiting_;                    // by copy: for one of each other, the cheapest first
+  std::vector<std::uint32_t> gives_;                           // by copy: slots that a step takes from it alone
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse
   Marks near_;                                                 // of apart()

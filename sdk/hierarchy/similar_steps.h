@@ -167,7 +167,12 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     }
     if (due == complex_.key(ready.edge)) {
       complex_.note(ready.edge) |= Out;
+      const std::uint32_t copy = whole && members.size() > 1 ? kNoIndex : copy_of(ready.edge);
+      if (copy != kNoIndex) ready_.resize(first + 1);
+      const bool alone = copy == kNoIndex || similar_->surplus(copy) > 0;
+      if (!alone && !pair_up(first, copy)) continue;
       close_group(first, touches);
+      if (alone) groups_.back().copy = copy;
       return true;
     }
     for (std::size_t k = first; k < ready_.size(); ++k) {
@@ -178,7 +183,33 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     }
     ready_.resize(first);
   }
-  return false;
+  if (most < kNever) return false;
+  // What is left waits in vain.
+  std::vector<Ready>* cheapest = nullptr;
+  for (auto& list : waiting_)
+    if (!list.empty() && (cheapest == nullptr || entry(list.front().edge) < entry(cheapest->front().edge)))
+      cheapest = &list;
+  if (cheapest == nullptr) return false;
+  ready_.push_back(cheapest->front());
+  cheapest->erase(cheapest->begin());
+  close_group(first, false);
+  return true;
+}
+
+template <class Metric>
+bool Decimation<Metric>::pair_up(std::size_t first, std::uint32_t copy) {
+  complex_.note(ready_.back().edge) |= Taken;
+  waiting_.resize(std::max<std::size_t>(waiting_.size(), copy + 1));
+  waiting_[copy].push_back(ready_.back());
+  ready_.resize(first);
+  const auto copies = similar_->copies_like(copy);
+  for (const auto like : copies)
+    if (like >= waiting_.size() || waiting_[like].empty() || similar_->surplus(like) > 0) return false;
+  for (const auto like : copies) {
+    ready_.push_back(waiting_[like].front());
+    waiting_[like].erase(waiting_[like].begin());
+  }
+  return true;
 }
 
 template <class Metric>
@@ -262,12 +293,17 @@ template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
   if (members.size() > most) return;
+  if (group.copy != kNoIndex) {
+    gives_.resize(std::max<std::size_t>(gives_.size(), group.copy + 1), 0);
+    if (gives_[group.copy] == similar_->surplus(group.copy)) return;
+  }
   for (const Ready& member : members)
     if (!independent(member.edge)) return;
   if (!group.touches && members.size() > 1 && !apart(members)) return;
   for (const Ready& member : members) reserved_.around(complex_, member.edge, Marks::Late);
   most -= static_cast<std::uint32_t>(group.count);
   group.chosen = true;
+  if (group.copy != kNoIndex) ++gives_[group.copy];
 }
 
 template <class Metric>
@@ -283,6 +319,11 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   reserved_.next(complex_.slot_count());
   if (!take_rest(most) && !take_first(most)) return false;
   groups_.front().chosen = true;
+  gives_.clear();
+  if (const std::uint32_t copy = groups_.front().copy; copy != kNoIndex) {
+    gives_.resize(copy + 1, 0);
+    ++gives_[copy];
+  }
   most -= static_cast<std::uint32_t>(ready_.size());
 
   // What may come along, by what it costs.
@@ -312,6 +353,10 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   for (std::size_t k = groups_.size(); k-- > 0;)  // the dearest first, as the queue asks for
     if (!groups_[k].chosen)
       for (std::size_t i = groups_[k].count; i-- > 0;) give_back(ready_[groups_[k].first + i].edge);
+  for (auto& list : waiting_) {
+    for (const Ready& ready : list) give_back(ready.edge);
+    list.clear();
+  }
   std::size_t kept = 0;
   for (const Group& group : groups_)
     if (group.chosen)
