@@ -133,7 +133,7 @@ class Decimation {
   /// Collapses of edges whose ends correspond, in `ready_`.
   struct Group {
     std::size_t first = 0, count = 0;
-    double dissimilarity = 0;
+    double dissimilarity = kUnlike;
     bool chosen = false;
     bool touches = false;           // members are near one another
     std::uint32_t copy = kNoIndex;  // that loses a slot by it which others like it keep

@@ -331,13 +331,20 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   const std::size_t looks = similar_->begin(a, b);
   dissimilarities_.clear();
-  while (groups_.size() <= looks && take_group(dear)) {
+  // What one copy has more than others goes first, whatever it is like.
+  const std::uint32_t copy = groups_.front().copy;
+  while (groups_.size() <= looks && take_group(copy == kNoIndex ? dear : kForbidden - 1)) {
     Group& group = groups_.back();
     const std::uint32_t edge = ready_[group.first].edge;
     const auto [u, v] = complex_.edge(edge);
     const bool free = independent(edge);
     if (free || !reserved_.early({u, v})) similar_->look();
-    group.dissimilarity = free ? similar_->dissimilarity(u, v) : kUnlike;
+    if (!free) continue;
+    if (copy != kNoIndex && group.copy == copy) {
+      choose_whole(group, most);
+      continue;
+    }
+    group.dissimilarity = complex_.key(edge) <= dear ? similar_->dissimilarity(u, v) : kUnlike;
     if (group.dissimilarity == kUnlike) continue;
     if (similar_->ranks())
       dissimilarities_.push_back(group.dissimilarity);
@@ -347,7 +354,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   if (similar_->ranks()) {
     const double below = similar_->threshold(dissimilarities_);
     for (Group& group : std::span(groups_).subspan(1))
-      if (group.dissimilarity < below) choose_whole(group, most);
+      if (!group.chosen && group.dissimilarity < below) choose_whole(group, most);
   }
 
   for (std::size_t k = groups_.size(); k-- > 0;)  // the dearest first, as the queue asks for
