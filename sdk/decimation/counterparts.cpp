@@ -347,6 +347,10 @@ void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
 }
 
+bool Counterparts::even(std::uint32_t copy) const {
+  return std::ranges::all_of(copies_like(copy), [&](std::uint32_t like) { return left_[like] == left_[copy]; });
+}
+
 std::uint32_t Counterparts::surplus(std::uint32_t copy) const {
   std::uint32_t least = left_[copy];
   for (const auto like : copies_like(copy)) least = std::min(least, left_[like]);

@@ -57,6 +57,8 @@ class Counterparts {
   }
   /// All copies of what a copy is one of.
   [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const { return copies_[model_[copy]]; }
+  /// Whether all of them have equally many slots.
+  [[nodiscard]] bool even(std::uint32_t copy) const;
   /// How many slots a copy has more than the least of those like it.
   [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const;
 

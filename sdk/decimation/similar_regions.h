@@ -36,6 +36,7 @@ class SimilarRegions final : public SimilarCollapses {
   [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const override {
     return counterparts_.copies_like(copy);
   }
+  [[nodiscard]] bool even(std::uint32_t copy) const override { return counterparts_.even(copy); }
   [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const override { return counterparts_.surplus(copy); }
 
  private:

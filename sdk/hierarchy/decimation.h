@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -59,6 +60,8 @@ class SimilarCollapses {
   [[nodiscard]] virtual std::uint32_t copy(std::uint32_t slot) const noexcept = 0;
   /// All copies of what a copy is one of.
   [[nodiscard]] virtual std::span<const std::uint32_t> copies_like(std::uint32_t copy) const = 0;
+  /// Whether all of them have equally many slots.
+  [[nodiscard]] virtual bool even(std::uint32_t copy) const = 0;
   /// How many slots a copy has more than the least of those like it.
   [[nodiscard]] virtual std::uint32_t surplus(std::uint32_t copy) const = 0;
 };
@@ -226,8 +229,16 @@ class Decimation {
   /// Finds fits of what corresponds, as if all were as wide as they are on average; the key of the dearest.
   std::uint32_t fit_alike(std::span<Ready> members);
   /// Has the collapse that is last in `ready_`, of one copy alone, wait for one of each other. Whether they are there:
-  /// then they are in `ready_`, from `first` on.
-  bool pair_up(std::size_t first, std::uint32_t copy);
+  /// then they are in `ready_`, from where it was on.
+  bool pair_up(std::uint32_t copy);
+  /// Appends the group of the cheapest that waits for one of each other copy, if it has waited long enough or nothing
+  /// else is left to do.
+  bool take_waiting(std::uint32_t key);
+  /// How many slots the step takes from a copy that has more than others.
+  std::uint32_t& gives(std::uint32_t copy) {
+    gives_.resize(std::max<std::size_t>(gives_.size(), copy + 1), 0);
+    return gives_[copy];
+  }
   /// The copy that an edge alone would take a slot from; kNoIndex for none.
   [[nodiscard]] std::uint32_t copy_of(std::uint32_t edge) const {
     const auto [a, b] = complex_.edge(edge);
@@ -238,6 +249,8 @@ class Decimation {
   void choose_whole(Group& group, std::uint32_t& most);
   void give_back(std::uint32_t edge);
   [[nodiscard]] std::uint32_t dearest(std::uint32_t key) const noexcept;
+  /// The key that a collapse waits for in vain.
+  [[nodiscard]] static std::uint32_t patient(std::uint32_t key) noexcept;
   [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
   /// Finds the fit of a collapse.
   void fit(Ready& ready) const;
@@ -270,7 +283,7 @@ class Decimation {
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
   std::vector<Left> rest_;
-  std::vector<std::vector<Ready>> waiting_;                    // by copy: for one of each other, the cheapest first
+  std::vector<std::deque<Ready>> waiting_;                     // by copy: for one of each other, the cheapest first
   std::vector<std::uint32_t> gives_;                           // by copy: slots that a step takes from it alone
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse

@@ -14,6 +14,11 @@ std::uint32_t Decimation<Metric>::dearest(std::uint32_t key) const noexcept {
 }
 
 template <class Metric>
+std::uint32_t Decimation<Metric>::patient(std::uint32_t key) noexcept {
+  return key_of(kPatience * static_cast<double>(std::bit_cast<float>(key & ~kPenalty))) | (key & kPenalty);
+}
+
+template <class Metric>
 void Decimation<Metric>::Marks::around(const CollapseComplex& complex, std::uint32_t edge, When when) {
   const auto mark = [&](std::uint32_t slot) {
     if (rounds[slot] != round + Early) rounds[slot] = round + when;
@@ -145,6 +150,10 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
   const std::size_t first = ready_.size();
   Ready ready;
   while (take(most, ready)) {
+    if (most == kNever && take_waiting(complex_.key(ready.edge))) {
+      queue_.push(entry(ready.edge));
+      return true;
+    }
     ready_.push_back(ready);
     const auto [a, b] = complex_.edge(ready.edge);
     const auto kind_a = similar_->kind(a);
@@ -155,22 +164,22 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     const std::uint32_t joint = touches ? joint_key(members) : 0;
     if (joint >= kForbidden) touches = whole = false;
     std::uint32_t due = complex_.key(ready.edge);
-    if (whole && members.size() > 1)
+    const bool alike = whole && members.size() > 1;
+    if (alike)
       due = std::max(due, fit_alike(members));
     else
       for (const Ready& member : members) due = std::max(due, complex_.key(member.edge));
     if (touches) due = std::max(due, joint);
     if (!whole && (complex_.note(ready.edge) & Alone) == 0) {
-      const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
-      due = key_of(kPatience * cost) | (due & kPenalty);
+      due = patient(due);
       for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= Alone;
     }
     if (due == complex_.key(ready.edge)) {
       complex_.note(ready.edge) |= Out;
-      const std::uint32_t copy = whole && members.size() > 1 ? kNoIndex : copy_of(ready.edge);
+      const std::uint32_t copy = alike ? kNoIndex : copy_of(ready.edge);
       if (copy != kNoIndex) ready_.resize(first + 1);
       const bool alone = copy == kNoIndex || similar_->surplus(copy) > 0;
-      if (!alone && !pair_up(first, copy)) continue;
+      if (!alone && !pair_up(copy)) continue;
       close_group(first, touches);
       if (alone) groups_.back().copy = copy;
       return true;
@@ -183,32 +192,37 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     }
     ready_.resize(first);
   }
-  if (most < kNever) return false;
-  // What is left waits in vain.
-  std::vector<Ready>* cheapest = nullptr;
-  for (auto& list : waiting_)
-    if (!list.empty() && (cheapest == nullptr || entry(list.front().edge) < entry(cheapest->front().edge)))
-      cheapest = &list;
-  if (cheapest == nullptr) return false;
-  ready_.push_back(cheapest->front());
-  cheapest->erase(cheapest->begin());
-  close_group(first, false);
+  return most == kNever && take_waiting(kNever);
+}
+
+template <class Metric>
+bool Decimation<Metric>::pair_up(std::uint32_t copy) {
+  complex_.note(ready_.back().edge) |= Taken;
+  waiting_.resize(std::max<std::size_t>(waiting_.size(), copy + 1));
+  waiting_[copy].push_back(ready_.back());
+  ready_.pop_back();
+  const auto copies = similar_->copies_like(copy);
+  const auto waits = [&](std::uint32_t like) { return like < waiting_.size() && !waiting_[like].empty(); };
+  if (!std::ranges::all_of(copies, waits) || !similar_->even(copy)) return false;
+  for (const auto like : copies) {
+    ready_.push_back(waiting_[like].front());
+    waiting_[like].pop_front();
+  }
   return true;
 }
 
 template <class Metric>
-bool Decimation<Metric>::pair_up(std::size_t first, std::uint32_t copy) {
-  complex_.note(ready_.back().edge) |= Taken;
-  waiting_.resize(std::max<std::size_t>(waiting_.size(), copy + 1));
-  waiting_[copy].push_back(ready_.back());
-  ready_.resize(first);
-  const auto copies = similar_->copies_like(copy);
-  for (const auto like : copies)
-    if (like >= waiting_.size() || waiting_[like].empty() || similar_->surplus(like) > 0) return false;
-  for (const auto like : copies) {
-    ready_.push_back(waiting_[like].front());
-    waiting_[like].erase(waiting_[like].begin());
-  }
+bool Decimation<Metric>::take_waiting(std::uint32_t key) {
+  // Of unit area and diagonal: what moves the surface by less than a hundred-thousandth may wait.
+  const std::uint32_t little = key_of(1e-10);
+  std::deque<Ready>* cheapest = nullptr;
+  for (auto& list : waiting_)
+    if (!list.empty() && (cheapest == nullptr || entry(list.front().edge) < entry(cheapest->front().edge)))
+      cheapest = &list;
+  if (cheapest == nullptr || std::max(patient(complex_.key(cheapest->front().edge)), little) > key) return false;
+  ready_.push_back(cheapest->front());
+  cheapest->pop_front();
+  close_group(ready_.size() - 1, false);
   return true;
 }
 
@@ -293,17 +307,14 @@ template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
   if (members.size() > most) return;
-  if (group.copy != kNoIndex) {
-    gives_.resize(std::max<std::size_t>(gives_.size(), group.copy + 1), 0);
-    if (gives_[group.copy] == similar_->surplus(group.copy)) return;
-  }
+  if (group.copy != kNoIndex && gives(group.copy) == similar_->surplus(group.copy)) return;
   for (const Ready& member : members)
     if (!independent(member.edge)) return;
   if (!group.touches && members.size() > 1 && !apart(members)) return;
   for (const Ready& member : members) reserved_.around(complex_, member.edge, Marks::Late);
   most -= static_cast<std::uint32_t>(group.count);
   group.chosen = true;
-  if (group.copy != kNoIndex) ++gives_[group.copy];
+  if (group.copy != kNoIndex) ++gives(group.copy);
 }
 
 template <class Metric>
@@ -319,11 +330,9 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   reserved_.next(complex_.slot_count());
   if (!take_rest(most) && !take_first(most)) return false;
   groups_.front().chosen = true;
+  const std::uint32_t copy = groups_.front().copy;
   gives_.clear();
-  if (const std::uint32_t copy = groups_.front().copy; copy != kNoIndex) {
-    gives_.resize(copy + 1, 0);
-    ++gives_[copy];
-  }
+  if (copy != kNoIndex) ++gives(copy);
   most -= static_cast<std::uint32_t>(ready_.size());
 
   // What may come along, by what it costs.
@@ -331,8 +340,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   const std::size_t looks = similar_->begin(a, b);
   dissimilarities_.clear();
-  // What one copy has more than others goes first, whatever it is like.
-  const std::uint32_t copy = groups_.front().copy;
+  // What one copy has more than others goes at once, whatever it is like.
   while (groups_.size() <= looks && take_group(copy == kNoIndex ? dear : kForbidden - 1)) {
     Group& group = groups_.back();
     const std::uint32_t edge = ready_[group.first].edge;
