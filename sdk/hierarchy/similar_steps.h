@@ -287,7 +287,9 @@ void Decimation<Metric>::catch_up() {
       for (const auto edge : complex_.edges_of(late)) {
         const auto [u, v] = complex_.edge(edge);
         const std::uint64_t other = similar_->kind(u == late ? v : u);
-        if (other != 0 && similar_->kind(late) + other == kind) postpone(edge);
+        if (other == 0 || similar_->kind(late) + other != kind) continue;
+        const std::uint32_t copy = copy_of(edge);
+        if (copy == kNoIndex || similar_->surplus(copy) > 0) postpone(edge);
       }
   }
   made_.clear();
