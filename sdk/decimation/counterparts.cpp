@@ -12,6 +12,7 @@
 #include <armature/sdk/mesh/adjacency.h>
 #include <armature/sdk/mesh/components.h>
 
+#include "sdk/deformation/best_turn.h"
 #include "sdk/hierarchy/collapse_complex.h"
 #include "sdk/mesh/nearest_point.h"
 
@@ -26,6 +27,8 @@ constexpr double kAlike = 0.05;
 // So many vertices are looked at to tell whether a component lies on another; so many of them must be within an edge.
 constexpr std::size_t kSamples = 256;
 constexpr double kOnIt = 0.95;
+// And so many to lay it there.
+constexpr std::size_t kFitted = 1024;
 // A component is symmetric if so many of its vertices correspond to others: one that is only nearly so is better left
 // alone.
 constexpr double kMatched = 0.9;
@@ -88,14 +91,24 @@ bool may_be_alike(const Part& a, const Part& b) {
   return std::abs(a.area - b.area) <= kAlike * a.area && (a.spread - b.spread).norm() <= kAlike * a.spread.norm();
 }
 
+/// Takes a part to where it lies on another, or on itself.
+struct Motion {
+  Matrix3d turn;  // or mirror
+  Vector3d from, to;
+
+  [[nodiscard]] Vector3d operator()(const Vector3d& point) const { return to + turn * (point - from); }
+  [[nodiscard]] Motion back() const { return {turn.transpose(), to, from}; }
+};
+
 /// Turns and mirrors of the axes of one part into those of another; the first of a part into itself is none.
-std::vector<Matrix3d> turns_between(const Part& from, const Part& to) {
-  std::vector<Matrix3d> turns = {Matrix3d::Identity()};
+std::vector<Motion> motions_between(const Part& from, const Part& to) {
+  std::vector<Motion> motions = {{Matrix3d::Identity(), from.middle, to.middle}};
   for (unsigned signs = 0; signs < 8; ++signs) {
     const Vector3d s((signs & 1U) != 0 ? -1 : 1, (signs & 2U) != 0 ? -1 : 1, (signs & 4U) != 0 ? -1 : 1);
-    if (&from != &to || signs != 0) turns.emplace_back(to.axes * s.asDiagonal() * from.axes.transpose());
+    if (&from != &to || signs != 0)
+      motions.push_back({to.axes * s.asDiagonal() * from.axes.transpose(), from.middle, to.middle});
   }
-  return turns;
+  return motions;
 }
 
 /// A part and a tree of its vertices, by their places in it.
@@ -112,12 +125,8 @@ struct Searched {
   }
 };
 
-Vector3d carried(const Matrix3d& turn, const Part& from, const Part& to, const Vector3d& point) {
-  return to.middle + turn * (point - from.middle);
-}
-
 /// How far some vertices of a part lie from another's, as a mean in edges; infinite if it does not lie on it.
-double distance(const Mesh& mesh, const Part& from, const Searched& to, const Matrix3d& turn) {
+double distance(const Mesh& mesh, const Part& from, const Searched& to, const Motion& motion) {
   const std::size_t step = (from.vertices.size() + kSamples - 1) / kSamples;
   const double edge2 = to.part->edge * to.part->edge;
   std::size_t looked_at = 0;
@@ -126,12 +135,41 @@ double distance(const Mesh& mesh, const Part& from, const Searched& to, const Ma
   const auto most_off =
       static_cast<std::size_t>((1 - kOnIt) * static_cast<double>((from.vertices.size() + step - 1) / step));
   for (std::size_t i = 0; i < from.vertices.size(); i += step, ++looked_at) {
-    const auto found = to.tree.find(carried(turn, from, *to.part, mesh.positions[from.vertices[i]]), edge2);
+    const auto found = to.tree.find(motion(mesh.positions[from.vertices[i]]), edge2);
     off += found.point == kNoIndex ? 1U : 0U;
     if (off > most_off) return std::numeric_limits<double>::infinity();
     sum += std::sqrt(found.distance2 / edge2);
   }
   return sum / static_cast<double>(looked_at);
+}
+
+/// The motion nearby that lays a part on another: iterated closest points (Besl and McKay 1992), which noise and other
+/// triangles mislead less than they do principal axes.
+Motion refined(const Mesh& mesh, const Part& from, const Searched& to, Motion motion) {
+  constexpr int kRounds = 8;
+  const std::size_t step = (from.vertices.size() + kFitted - 1) / kFitted;
+  const double edge2 = to.part->edge * to.part->edge;
+  const double mirrored = motion.turn.determinant() < 0 ? -1 : 1;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<std::pair<Vector3d, Vector3d>> pairs;
+    Motion next{.turn = Matrix3d::Zero(), .from = Vector3d::Zero(), .to = Vector3d::Zero()};
+    for (std::size_t i = 0; i < from.vertices.size(); i += step) {
+      const Vector3d& here = mesh.positions[from.vertices[i]];
+      const auto found = to.tree.find(motion(here), edge2);
+      if (found.point == kNoIndex) continue;
+      pairs.emplace_back(here, mesh.positions[to.part->vertices[found.point]]);
+      next.from += pairs.back().first;
+      next.to += pairs.back().second;
+    }
+    next.from /= static_cast<double>(pairs.size());
+    next.to /= static_cast<double>(pairs.size());
+    for (const auto& [here, there] : pairs)
+      next.turn += (there - next.to) * (mirrored * (here - next.from)).transpose();
+    // A point mirror, then a turn.
+    next.turn = mirrored * best_turn(next.turn);
+    motion = next;
+  }
+  return motion;
 }
 
 /// The vertex of a part that is clearly the closest to a place; kNoIndex for none.
@@ -143,12 +181,12 @@ std::uint32_t clearly_closest(const Searched& part, const Vector3d& place) {
 }
 
 /// By the place of each vertex of `from`, that of the one of `to` that it corresponds to; kNoIndex for none.
-std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const Searched& to, const Matrix3d& turn) {
+std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const Searched& to, const Motion& motion) {
   std::vector<std::uint32_t> list;
+  const Motion back = motion.back();
   for (std::uint32_t i = 0; i < from.part->vertices.size(); ++i) {
-    const auto j = clearly_closest(to, carried(turn, *from.part, *to.part, mesh.positions[from.part->vertices[i]]));
-    const bool mutual = j != kNoIndex && clearly_closest(from, carried(turn.transpose(), *to.part, *from.part,
-                                                                       mesh.positions[to.part->vertices[j]])) == i;
+    const auto j = clearly_closest(to, motion(mesh.positions[from.part->vertices[i]]));
+    const bool mutual = j != kNoIndex && clearly_closest(from, back(mesh.positions[to.part->vertices[j]])) == i;
     list.push_back(mutual ? j : kNoIndex);
   }
   return list;
@@ -156,9 +194,17 @@ std::vector<std::uint32_t> matches(const Mesh& mesh, const Searched& from, const
 
 }  // namespace
 
-Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task) {
+Expected<Correspondence> find_correspondence(const Mesh& mesh, const Task& task) {
   const std::vector<Part> parts = parts_of(mesh);
-  std::vector<std::uint32_t> classes(mesh.positions.size(), kNoIndex);
+  Correspondence result;
+  auto& classes = result.classes;
+  classes.resize(mesh.positions.size(), kNoIndex);
+  result.copies.resize(mesh.positions.size(), kNoIndex);
+  std::uint32_t models = 0;
+  const auto add_copy = [&](const Part& part) {
+    for (const auto v : part.vertices) result.copies[v] = static_cast<std::uint32_t>(result.models.size());
+    result.models.push_back(models);
+  };
   std::vector<std::uint8_t> done(parts.size(), 0);
   std::uint32_t count = 0;
   std::vector<std::uint32_t> own_counterparts;  // classes of what lies on a plane of symmetry
@@ -171,13 +217,14 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
     // A class for each vertex and what it corresponds to within the part.
     std::vector<std::uint32_t> own(first.vertices.size(), kNoIndex);
     std::vector<std::vector<std::uint32_t>> onto_itself;
-    for (const Matrix3d& turn : turns_between(first, first))
-      if (!turn.isIdentity() && std::isfinite(distance(mesh, first, searched, turn))) {
-        auto match = matches(mesh, searched, searched, turn);
+    for (const Motion& motion : motions_between(first, first))
+      if (!motion.turn.isIdentity() && std::isfinite(distance(mesh, first, searched, motion))) {
+        auto match = matches(mesh, searched, searched, motion);
         const auto none = static_cast<double>(std::ranges::count(match, kNoIndex));
         if (none <= (1 - kMatched) * static_cast<double>(match.size())) onto_itself.push_back(std::move(match));
       }
     bool any = !onto_itself.empty();
+    bool copied = false;
     for (std::uint32_t i = 0; i < own.size(); ++i) {
       if (own[i] != kNoIndex) continue;
       own[i] = count++;
@@ -193,21 +240,25 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
       if (task.stopped()) return cancelled();
       const Searched there(mesh, parts[other]);
       double least = std::numeric_limits<double>::infinity();
-      Matrix3d best = Matrix3d::Identity();
-      for (const Matrix3d& turn : turns_between(first, parts[other])) {
-        const double d = distance(mesh, first, there, turn);
+      Motion best{};
+      for (const Motion& motion : motions_between(first, parts[other])) {
+        const double d = distance(mesh, first, there, motion);
         if (d < least) {
           least = d;
-          best = turn;
+          best = motion;
         }
       }
       if (!std::isfinite(least)) continue;
+      best = refined(mesh, first, there, best);
       any = true;
       done[other] = 1;
+      if (std::exchange(copied, true) == false) add_copy(first);
+      add_copy(parts[other]);
       const auto match = matches(mesh, searched, there, best);
       for (std::size_t i = 0; i < match.size(); ++i)
         if (match[i] != kNoIndex) classes[parts[other].vertices[match[i]]] = own[i];
     }
+    if (copied) ++models;
     if (!any) continue;
     for (std::size_t i = 0; i < own.size(); ++i) classes[first.vertices[i]] = own[i];
   }
@@ -218,10 +269,12 @@ Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const
   for (const auto c : own_counterparts) members[c] = std::max(members[c], 2U);
   for (auto& c : classes)
     if (c != kNoIndex && members[c] < 2) c = kNoIndex;
-  return classes;
+  return result;
 }
 
-Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
+Counterparts::Counterparts(const Correspondence& correspondence)
+    : copy_(correspondence.copies), model_(correspondence.models), left_(model_.size(), 0) {
+  const auto& classes = correspondence.classes;
   if (std::ranges::all_of(classes, [](std::uint32_t c) { return c == kNoIndex; })) return;
   kinds_.resize(classes.size(), 0);
   place_.resize(classes.size(), 0);
@@ -229,6 +282,13 @@ Counterparts::Counterparts(std::span<const std::uint32_t> classes) {
   std::iota(into_.begin(), into_.end(), 0U);
   holds_.resize(classes.size(), kNoIndex);
   next_ = into_;
+  for (const auto copy : copy_)
+    if (copy != kNoIndex) ++left_[copy];
+  for (std::uint32_t copy = 0; copy < model_.size(); ++copy) {
+    copies_.resize(std::max<std::size_t>(copies_.size(), model_[copy] + 1));
+    copies_[model_[copy]].push_back(copy);
+  }
+  joined_.resize(copies_.size(), false);
   std::unordered_map<std::uint32_t, std::uint32_t> of_class;
   for (std::uint32_t v = 0; v < classes.size(); ++v) {
     if (classes[v] == kNoIndex) continue;
@@ -273,12 +333,29 @@ void Counterparts::remove(std::uint32_t slot) {
 void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (kinds_.empty()) return;
   into_[gone] = kept;
+  if (copy_[gone] == copy_[kept]) {
+    if (copy_[kept] != kNoIndex) --left_[copy_[kept]];
+  } else if (copy_[kept] == kNoIndex) {
+    copy_[kept] = copy_[gone];
+  } else if (copy_[gone] != kNoIndex) {
+    joined_[model_[copy_[gone]]] = joined_[model_[copy_[kept]]] = true;
+  }
   if (kinds_[gone] == 0) return;
   remove(kept);
   remove(gone);
   kinds_[kept] += std::exchange(kinds_[gone], 0);
   if (kinds_[kept] != 0) add(kept);
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
+}
+
+bool Counterparts::even(std::uint32_t copy) const {
+  return std::ranges::all_of(copies_like(copy), [&](std::uint32_t like) { return left_[like] == left_[copy]; });
+}
+
+std::uint32_t Counterparts::surplus(std::uint32_t copy) const {
+  std::uint32_t least = left_[copy];
+  for (const auto like : copies_like(copy)) least = std::min(least, left_[like]);
+  return left_[copy] - least;
 }
 
 std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot) {

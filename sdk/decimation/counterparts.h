@@ -9,21 +9,31 @@
 #include <armature/sdk/mesh/mesh.h>
 #include <armature/sdk/task.h>
 
+#include "sdk/hierarchy/collapse_complex.h"
+
 namespace armature::sdk {
+
+/// What corresponds before anything is joined.
+struct Correspondence {
+  std::vector<std::uint32_t>
+      classes;  ///< by vertex: vertices of a class correspond; kNoIndex for what has no counterpart
+  std::vector<std::uint32_t> copies;  ///< by vertex: which copy of a component it is of; kNoIndex for none
+  std::vector<std::uint32_t> models;  ///< by copy: what it is a copy of
+};
 
 /// Which vertices correspond: those of components that lie on one another once they are moved, turned or mirrored, and
 /// those of a component that does so with itself. Vertices correspond where each is the closest to where the other
 /// comes to lie; what a mirror leaves where it is has itself. By vertex a class of its own kind; kNoIndex for what has
 /// no counterpart. Turns are those that lay principal axes onto one another, and none; so shapes that have no principal
 /// axes, as a ball, are found only shifted.
-[[nodiscard]] Expected<std::vector<std::uint32_t>> counterpart_classes(const Mesh& mesh, const Task& task);
+[[nodiscard]] Expected<Correspondence> find_correspondence(const Mesh& mesh, const Task& task);
 
 /// Keeps track of which regions correspond while they are joined. A region's kind is the sum of numbers drawn for the
 /// classes of its vertices (Zobrist 1970), so that regions correspond if they hold the same classes, however they came
 /// about.
 class Counterparts {
  public:
-  explicit Counterparts(std::span<const std::uint32_t> classes);
+  explicit Counterparts(const Correspondence& correspondence);
 
   /// Whether there is anything to keep track of.
   [[nodiscard]] bool empty() const noexcept { return kinds_.empty(); }
@@ -39,6 +49,19 @@ class Counterparts {
   /// The slot that what was in a slot at first is in now.
   [[nodiscard]] std::uint32_t holder(std::uint32_t slot) noexcept;
 
+  /// The copy of a component that a slot is of; kNoIndex for none, or once one of its copies was joined to something
+  /// else.
+  [[nodiscard]] std::uint32_t copy(std::uint32_t slot) const noexcept {
+    if (kinds_.empty() || copy_[slot] == kNoIndex || joined_[model_[copy_[slot]]]) return kNoIndex;
+    return copy_[slot];
+  }
+  /// All copies of what a copy is one of.
+  [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const { return copies_[model_[copy]]; }
+  /// Whether all of them have equally many slots.
+  [[nodiscard]] bool even(std::uint32_t copy) const;
+  /// How many slots a copy has more than the least of those like it.
+  [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const;
+
  private:
   void add(std::uint32_t slot);
   void remove(std::uint32_t slot);
@@ -50,6 +73,11 @@ class Counterparts {
   std::vector<std::uint32_t> holds_;  // by slot: a vertex in it that has counterparts; kNoIndex for none
   std::vector<std::uint32_t> next_;   // by vertex: the next of its class, in a ring
   std::vector<std::uint32_t> behind_;
+  std::vector<std::uint32_t> copy_;                 // by slot
+  std::vector<std::uint32_t> model_;                // by copy
+  std::vector<std::vector<std::uint32_t>> copies_;  // by model
+  std::vector<std::uint32_t> left_;                 // slots, by copy
+  std::vector<bool> joined_;                        // to something else, by model
 };
 
 }  // namespace armature::sdk

@@ -35,14 +35,14 @@ Expected<std::unique_ptr<SimilarRegions>> similar_regions(const Mesh& mesh, cons
                                                           const SimilarityOptions& options, double& counterparts_ms,
                                                           const Task& task) {
   const auto start = Clock::now();
-  std::vector<std::uint32_t> classes;
+  Correspondence correspondence;
   if (options.in_step) {
-    auto found = counterpart_classes(mesh, task);
+    auto found = find_correspondence(mesh, task);
     if (!found) return tl::unexpected(found.error());
-    classes = std::move(*found);
+    correspondence = std::move(*found);
   }
   counterparts_ms = milliseconds_since(start);
-  return std::make_unique<SimilarRegions>(descriptor, classes, options);
+  return std::make_unique<SimilarRegions>(descriptor, correspondence, options);
 }
 
 Expected<std::unique_ptr<Descriptor>> gls_of(PointSet points, const SimilarityOptions& options, const Task& task) {

@@ -19,10 +19,10 @@ constexpr double kUnlike = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-SimilarRegions::SimilarRegions(const Descriptor& descriptor, std::span<const std::uint32_t> classes,
+SimilarRegions::SimilarRegions(const Descriptor& descriptor, const Correspondence& correspondence,
                                const SimilarityOptions& options)
     : descriptor_(descriptor),
-      counterparts_(classes),
+      counterparts_(correspondence),
       options_(options),
       width_(descriptor.width()),
       place_(descriptor.size(), kNoIndex),

@@ -16,9 +16,8 @@ namespace armature::sdk {
 /// region of one vertex has no descriptor of its own here: it is made when it is looked at.
 class SimilarRegions final : public SimilarCollapses {
  public:
-  /// `classes` are those of counterpart_classes().
-  SimilarRegions(const Descriptor& descriptor, std::span<const std::uint32_t> classes,
-                 const SimilarityOptions& options);
+  /// `correspondence` is that of find_correspondence(); empty, nothing has counterparts.
+  SimilarRegions(const Descriptor& descriptor, const Correspondence& correspondence, const SimilarityOptions& options);
 
   std::size_t begin(std::uint32_t a, std::uint32_t b) override;
   void look() override { looks_ -= looks_ > 0 ? 1 : 0; }
@@ -33,6 +32,12 @@ class SimilarRegions final : public SimilarCollapses {
   void merged(std::uint32_t kept, std::uint32_t gone) override;
   std::span<const std::uint32_t> behind(std::uint32_t slot) override { return counterparts_.behind(slot); }
   std::uint32_t holder(std::uint32_t slot) override { return counterparts_.holder(slot); }
+  [[nodiscard]] std::uint32_t copy(std::uint32_t slot) const noexcept override { return counterparts_.copy(slot); }
+  [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const override {
+    return counterparts_.copies_like(copy);
+  }
+  [[nodiscard]] bool even(std::uint32_t copy) const override { return counterparts_.even(copy); }
+  [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const override { return counterparts_.surplus(copy); }
 
  private:
   /// Writes the descriptor of the union of two slots.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -55,12 +56,22 @@ class SimilarCollapses {
   virtual std::span<const std::uint32_t> behind(std::uint32_t slot) = 0;
   /// What a slot that was merged, or what it was merged into, is part of now.
   virtual std::uint32_t holder(std::uint32_t slot) = 0;
+  /// The copy of a component that a slot is of, if its copies are to have equally many slots; kNoIndex for none.
+  [[nodiscard]] virtual std::uint32_t copy(std::uint32_t slot) const noexcept = 0;
+  /// All copies of what a copy is one of.
+  [[nodiscard]] virtual std::span<const std::uint32_t> copies_like(std::uint32_t copy) const = 0;
+  /// Whether all of them have equally many slots.
+  [[nodiscard]] virtual bool even(std::uint32_t copy) const = 0;
+  /// How many slots a copy has more than the least of those like it.
+  [[nodiscard]] virtual std::uint32_t surplus(std::uint32_t copy) const = 0;
 };
 
 /// Collapses edges in the order of what they cost by a metric, which offers
 ///   fit(a, b)               the best placement of the union of two slots, seen from `a`: `centre()` and `cost`
+///   width(a, b)             what bounds it; with `similar` alone
+///   fit(a, b, width)        the same for another bound; as well
 ///   cost(a, b, fit)         what ranks the collapse; infinite where it is forbidden
-///   cost(slots)             the same of several slots that become one; with `similar` alone
+///   cost(slots)             the same of several slots that become one; as well
 ///   merge(kept, gone, fit)  gives the union, as seen from `kept`, the slot `kept`
 ///   position(slot)
 ///
@@ -125,9 +136,10 @@ class Decimation {
   /// Collapses of edges whose ends correspond, in `ready_`.
   struct Group {
     std::size_t first = 0, count = 0;
-    double dissimilarity = 0;
+    double dissimilarity = kUnlike;
     bool chosen = false;
-    bool touches = false;  // members are near one another
+    bool touches = false;           // members are near one another
+    std::uint32_t copy = kNoIndex;  // that loses a slot by it which others like it keep
   };
 
   /// What is remembered of an edge, as steps look again at what others have left.
@@ -214,10 +226,31 @@ class Decimation {
   void close_group(std::size_t first, bool touches);
   /// The key of what members cost that share ends: of making one of all that they join.
   [[nodiscard]] std::uint32_t joint_key(std::span<const Ready> members) const;
+  /// Finds fits of what corresponds, as if all were as wide as they are on average; the key of the dearest.
+  std::uint32_t fit_alike(std::span<Ready> members);
+  /// Has the collapse that is last in `ready_`, of one copy alone, wait for one of each other. Whether they are there:
+  /// then they are in `ready_`, from where it was on.
+  bool pair_up(std::uint32_t copy);
+  /// Appends the group of the cheapest that waits for one of each other copy, if it has waited long enough or nothing
+  /// else is left to do.
+  bool take_waiting(std::uint32_t key);
+  /// How many slots the step takes from a copy that has more than others.
+  std::uint32_t& gives(std::uint32_t copy) {
+    gives_.resize(std::max<std::size_t>(gives_.size(), copy + 1), 0);
+    return gives_[copy];
+  }
+  /// The copy that an edge alone would take a slot from; kNoIndex for none.
+  [[nodiscard]] std::uint32_t copy_of(std::uint32_t edge) const {
+    const auto [a, b] = complex_.edge(edge);
+    const std::uint32_t copy = similar_->copy(a);
+    return copy == similar_->copy(b) ? copy : kNoIndex;
+  }
   /// Chooses a group if all of it is independent, and of one another.
   void choose_whole(Group& group, std::uint32_t& most);
   void give_back(std::uint32_t edge);
   [[nodiscard]] std::uint32_t dearest(std::uint32_t key) const noexcept;
+  /// The key that a collapse waits for in vain.
+  [[nodiscard]] static std::uint32_t patient(std::uint32_t key) noexcept;
   [[nodiscard]] bool independent(std::uint32_t edge) const noexcept { return !reserved_.either(complex_.edge(edge)); }
   /// Finds the fit of a collapse.
   void fit(Ready& ready) const;
@@ -250,6 +283,8 @@ class Decimation {
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
   std::vector<Left> rest_;
+  std::vector<std::deque<Ready>> waiting_;                     // by copy: for one of each other, the cheapest first
+  std::vector<std::uint32_t> gives_;                           // by copy: slots that a step takes from it alone
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse
   Marks near_;                                                 // of apart()

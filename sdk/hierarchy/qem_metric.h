@@ -26,6 +26,9 @@ class QemMetric {
   QemMetric(const NormalisedShape& shape, double boundary_weight);
 
   [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept;
+  /// Nothing bounds a point.
+  [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b, float) const noexcept { return fit(a, b); }
+  [[nodiscard]] float width(std::uint32_t, std::uint32_t) const noexcept { return 0; }
   [[nodiscard]] double cost(std::uint32_t, std::uint32_t, const Fit& fit) const noexcept { return fit.cost; }
   /// What it costs to make all of them one.
   [[nodiscard]] double cost(std::span<const std::uint32_t> slots) const noexcept;

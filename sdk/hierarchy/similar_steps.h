@@ -14,6 +14,11 @@ std::uint32_t Decimation<Metric>::dearest(std::uint32_t key) const noexcept {
 }
 
 template <class Metric>
+std::uint32_t Decimation<Metric>::patient(std::uint32_t key) noexcept {
+  return key_of(kPatience * static_cast<double>(std::bit_cast<float>(key & ~kPenalty))) | (key & kPenalty);
+}
+
+template <class Metric>
 void Decimation<Metric>::Marks::around(const CollapseComplex& complex, std::uint32_t edge, When when) {
   const auto mark = [&](std::uint32_t slot) {
     if (rounds[slot] != round + Early) rounds[slot] = round + when;
@@ -115,6 +120,23 @@ std::uint32_t Decimation<Metric>::joint_key(std::span<const Ready> members) cons
 }
 
 template <class Metric>
+std::uint32_t Decimation<Metric>::fit_alike(std::span<Ready> members) {
+  float width = 0;
+  for (const Ready& member : members) {
+    const auto [a, b] = complex_.edge(member.edge);
+    width += metric_.width(a, b) / static_cast<float>(members.size());
+  }
+  std::uint32_t key = 0;
+  for (Ready& member : members) {
+    const auto [a, b] = complex_.edge(member.edge);
+    member.fit = metric_.fit(a, b, width);
+    member.fitted = true;
+    key = std::max(key, key_of(metric_.cost(a, b, member.fit)) | (complex_.key(member.edge) & kPenalty));
+  }
+  return key;
+}
+
+template <class Metric>
 bool Decimation<Metric>::renew(Ready& ready) {
   const std::uint32_t edge = edge_of({ready.edge, ready.slots});
   if (edge == kNoIndex) return false;
@@ -128,6 +150,10 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
   const std::size_t first = ready_.size();
   Ready ready;
   while (take(most, ready)) {
+    if (most == kNever && take_waiting(complex_.key(ready.edge))) {
+      queue_.push(entry(ready.edge));
+      return true;
+    }
     ready_.push_back(ready);
     const auto [a, b] = complex_.edge(ready.edge);
     const auto kind_a = similar_->kind(a);
@@ -138,16 +164,24 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     const std::uint32_t joint = touches ? joint_key(members) : 0;
     if (joint >= kForbidden) touches = whole = false;
     std::uint32_t due = complex_.key(ready.edge);
-    for (std::size_t k = first; k < ready_.size(); ++k) due = std::max(due, complex_.key(ready_[k].edge));
+    const bool alike = whole && members.size() > 1;
+    if (alike)
+      due = std::max(due, fit_alike(members));
+    else
+      for (const Ready& member : members) due = std::max(due, complex_.key(member.edge));
     if (touches) due = std::max(due, joint);
     if (!whole && (complex_.note(ready.edge) & Alone) == 0) {
-      const auto cost = static_cast<double>(std::bit_cast<float>(due & ~kPenalty));
-      due = key_of(kPatience * cost) | (due & kPenalty);
+      due = patient(due);
       for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= Alone;
     }
     if (due == complex_.key(ready.edge)) {
       complex_.note(ready.edge) |= Out;
+      const std::uint32_t copy = alike ? kNoIndex : copy_of(ready.edge);
+      if (copy != kNoIndex) ready_.resize(first + 1);
+      const bool alone = copy == kNoIndex || similar_->surplus(copy) > 0;
+      if (!alone && !pair_up(copy)) continue;
       close_group(first, touches);
+      if (alone) groups_.back().copy = copy;
       return true;
     }
     for (std::size_t k = first; k < ready_.size(); ++k) {
@@ -158,7 +192,38 @@ bool Decimation<Metric>::take_group(std::uint32_t most) {
     }
     ready_.resize(first);
   }
-  return false;
+  return most == kNever && take_waiting(kNever);
+}
+
+template <class Metric>
+bool Decimation<Metric>::pair_up(std::uint32_t copy) {
+  complex_.note(ready_.back().edge) |= Taken;
+  waiting_.resize(std::max<std::size_t>(waiting_.size(), copy + 1));
+  waiting_[copy].push_back(ready_.back());
+  ready_.pop_back();
+  const auto copies = similar_->copies_like(copy);
+  const auto waits = [&](std::uint32_t like) { return like < waiting_.size() && !waiting_[like].empty(); };
+  if (!std::ranges::all_of(copies, waits) || !similar_->even(copy)) return false;
+  for (const auto like : copies) {
+    ready_.push_back(waiting_[like].front());
+    waiting_[like].pop_front();
+  }
+  return true;
+}
+
+template <class Metric>
+bool Decimation<Metric>::take_waiting(std::uint32_t key) {
+  // Of unit area and diagonal: what moves the surface by less than a hundred-thousandth may wait.
+  const std::uint32_t little = key_of(1e-10);
+  std::deque<Ready>* cheapest = nullptr;
+  for (auto& list : waiting_)
+    if (!list.empty() && (cheapest == nullptr || entry(list.front().edge) < entry(cheapest->front().edge)))
+      cheapest = &list;
+  if (cheapest == nullptr || std::max(patient(complex_.key(cheapest->front().edge)), little) > key) return false;
+  ready_.push_back(cheapest->front());
+  cheapest->pop_front();
+  close_group(ready_.size() - 1, false);
+  return true;
 }
 
 template <class Metric>
@@ -222,7 +287,9 @@ void Decimation<Metric>::catch_up() {
       for (const auto edge : complex_.edges_of(late)) {
         const auto [u, v] = complex_.edge(edge);
         const std::uint64_t other = similar_->kind(u == late ? v : u);
-        if (other != 0 && similar_->kind(late) + other == kind) postpone(edge);
+        if (other == 0 || similar_->kind(late) + other != kind) continue;
+        const std::uint32_t copy = copy_of(edge);
+        if (copy == kNoIndex || similar_->surplus(copy) > 0) postpone(edge);
       }
   }
   made_.clear();
@@ -242,12 +309,14 @@ template <class Metric>
 void Decimation<Metric>::choose_whole(Group& group, std::uint32_t& most) {
   const auto members = std::span(ready_).subspan(group.first, group.count);
   if (members.size() > most) return;
+  if (group.copy != kNoIndex && gives(group.copy) == similar_->surplus(group.copy)) return;
   for (const Ready& member : members)
     if (!independent(member.edge)) return;
   if (!group.touches && members.size() > 1 && !apart(members)) return;
   for (const Ready& member : members) reserved_.around(complex_, member.edge, Marks::Late);
   most -= static_cast<std::uint32_t>(group.count);
   group.chosen = true;
+  if (group.copy != kNoIndex) ++gives(group.copy);
 }
 
 template <class Metric>
@@ -263,6 +332,9 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   reserved_.next(complex_.slot_count());
   if (!take_rest(most) && !take_first(most)) return false;
   groups_.front().chosen = true;
+  const std::uint32_t copy = groups_.front().copy;
+  gives_.clear();
+  if (copy != kNoIndex) ++gives(copy);
   most -= static_cast<std::uint32_t>(ready_.size());
 
   // What may come along, by what it costs.
@@ -270,13 +342,19 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
   const std::size_t looks = similar_->begin(a, b);
   dissimilarities_.clear();
-  while (groups_.size() <= looks && take_group(dear)) {
+  // What one copy has more than others goes at once, whatever it is like.
+  while (groups_.size() <= looks && take_group(copy == kNoIndex ? dear : kForbidden - 1)) {
     Group& group = groups_.back();
     const std::uint32_t edge = ready_[group.first].edge;
     const auto [u, v] = complex_.edge(edge);
     const bool free = independent(edge);
     if (free || !reserved_.early({u, v})) similar_->look();
-    group.dissimilarity = free ? similar_->dissimilarity(u, v) : kUnlike;
+    if (!free) continue;
+    if (copy != kNoIndex && group.copy == copy) {
+      choose_whole(group, most);
+      continue;
+    }
+    group.dissimilarity = complex_.key(edge) <= dear ? similar_->dissimilarity(u, v) : kUnlike;
     if (group.dissimilarity == kUnlike) continue;
     if (similar_->ranks())
       dissimilarities_.push_back(group.dissimilarity);
@@ -286,12 +364,16 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   if (similar_->ranks()) {
     const double below = similar_->threshold(dissimilarities_);
     for (Group& group : std::span(groups_).subspan(1))
-      if (group.dissimilarity < below) choose_whole(group, most);
+      if (!group.chosen && group.dissimilarity < below) choose_whole(group, most);
   }
 
   for (std::size_t k = groups_.size(); k-- > 0;)  // the dearest first, as the queue asks for
     if (!groups_[k].chosen)
       for (std::size_t i = groups_[k].count; i-- > 0;) give_back(ready_[groups_[k].first + i].edge);
+  for (auto& list : waiting_) {
+    for (const Ready& ready : list) give_back(ready.edge);
+    list.clear();
+  }
   std::size_t kept = 0;
   for (const Group& group : groups_)
     if (group.chosen)

@@ -38,14 +38,15 @@ class SqemMetric {
 
   /// The best sphere of the union, its centre relative to that of `a`; at infinite cost if both are pinned.
   [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b) const noexcept {
-    const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
-    SphericalQuadric quadric = regions_[b].quadric.translated(offset);
-    quadric += regions_[a].quadric;
-    if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
-    if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
-    return {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_, [&] {
-      return radius_per_width_ * static_cast<double>(smallest_extent(extents_[a], extents_[b]));
-    })};
+    return best_of(a, b, [&] { return width(a, b); });
+  }
+  /// The same as if the union were so wide.
+  [[nodiscard]] Fit fit(std::uint32_t a, std::uint32_t b, float width) const noexcept {
+    return best_of(a, b, [&] { return width; });
+  }
+  /// The smallest extent of the union, which bounds the radius.
+  [[nodiscard]] float width(std::uint32_t a, std::uint32_t b) const noexcept {
+    return smallest_extent(extents_[a], extents_[b]);
   }
 
   [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b, const Fit& fit) const noexcept {
@@ -112,6 +113,16 @@ class SqemMetric {
     const double squared = cloud.spread / area + (sphere.centre - cloud.mean).squaredNorm();
     const double beyond = std::max(std::sqrt(squared) - sphere.radius, 0.0);
     return area * beyond * beyond;
+  }
+  template <class Width>
+  [[nodiscard]] Fit best_of(std::uint32_t a, std::uint32_t b, Width&& width) const noexcept {
+    const Eigen::Vector3d offset = spheres_[b].centre - spheres_[a].centre;
+    SphericalQuadric quadric = regions_[b].quadric.translated(offset);
+    quadric += regions_[a].quadric;
+    if (!pinned_.empty() && (pinned_[a] || pinned_[b])) return pinned_fit(quadric, a, b);
+    if (!(weight(a) > 0 && weight(b) > 0)) return weightless_fit(a, b);
+    return {minimum_of(quadric, Eigen::Vector3d::Zero(), offset, pivot_,
+                       [&] { return radius_per_width_ * static_cast<double>(width()); })};
   }
   void add_cells(const NormalisedShape& shape, const Options& options);
   void add_discs(const NormalisedShape& shape, const Options& options);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <stop_token>
 #include <string_view>
 #include <vector>
@@ -100,6 +101,47 @@ TEST(SimilarDecimation, SimplifiesTwinsInStep) {
       EXPECT_GE(evenness(similar_of(mesh), most), 0.9);
       EXPECT_LT(evenness(similar_of(mesh, {.threshold = 0}), most), 0.5);
     }
+  }
+}
+
+TEST(SimilarDecimation, KeepsNoisyAndRemeshedCopiesEven) {
+  const Mesh one = surfaces::torus(2, 0.7, 40, 16, 0.3);
+  std::mt19937 random(1);
+  Mesh shaken = one;
+  for (auto& p : shaken.positions)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += 0.01 * (static_cast<double>(random()) / 0xFFFF'FFFFU - 0.5);
+  const auto fewer = decimate_mesh(one, {.vertices = 3 * one.positions.size() / 4});
+  ASSERT_TRUE(fewer);
+  for (const Mesh& other : {shaken, fewer->mesh}) {
+    const Mesh mesh = surfaces::together(one, surfaces::moved(other, {6, 1, 0}));
+    const auto share = [&](const Hierarchy& h) {
+      std::size_t even = 0;
+      std::size_t levels = 0;
+      for (std::size_t step = 1; step <= h.step_count() && h.spheres_after(step) > 2; ++step, ++levels) {
+        std::array<std::size_t, 2> count{};
+        for (const NodeId node : h.nodes_of_level(h.spheres_after(step)))
+          ++count[h.vertices(node)[0].index() < one.positions.size() ? 0 : 1];
+        even += count[0] == count[1] ? 1U : 0U;
+      }
+      return static_cast<double>(even) / static_cast<double>(levels);
+    };
+    EXPECT_GE(share(similar_of(mesh)), 0.9);
+    EXPECT_LT(share(similar_of(mesh, {.threshold = 0})), 0.5);
+  }
+}
+
+TEST(SimilarDecimation, GivesTurnedCopiesTheSameSpheres) {
+  // Radii are bounded by extents along fixed directions, of which turned copies have others.
+  const Mesh one = surfaces::torus(2, 0.7, 40, 16, 0.3);
+  const Hierarchy h = similar_of(twins(1));
+  for (const std::size_t spheres : {std::size_t{200}, std::size_t{60}}) {
+    const std::size_t step = h.steps_to(spheres);
+    std::array<std::vector<double>, 2> radii;
+    for (const NodeId node : h.nodes_of_level(h.spheres_after(step)))
+      radii[h.vertices(node)[0].index() < one.positions.size() ? 0 : 1].push_back(h.sphere(node).radius);
+    for (auto& list : radii) std::ranges::sort(list);
+    ASSERT_EQ(radii[0].size(), radii[1].size());
+    for (std::size_t k = 0; k < radii[0].size(); ++k) EXPECT_NEAR(radii[0][k], radii[1][k], 1e-6);
   }
 }
 
