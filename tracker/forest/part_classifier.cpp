@@ -1,7 +1,9 @@
 #include "tracker/forest/part_classifier.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <tuple>
 #include <vector>
 
 #include "tracker/forest/part_feature.h"
@@ -35,24 +37,19 @@ Box bounding_box(std::span<const std::uint8_t> mask, std::uint8_t user, int heig
 
 }  // namespace
 
-int part_probability(const ClassifiedPixel& pixel, PartLabel part) noexcept {
-  int sum = 0;
-  int trees = 0;
+PartLabel most_likely_part(const ClassifiedPixel& pixel) noexcept {
+  std::array<std::uint16_t, std::tuple_size_v<decltype(Leaf::probability)>> mean{};
+  std::uint16_t trees = 0;
   for (const Leaf* leaf : pixel.leaves) {
     if (leaf == nullptr) break;
-    sum += leaf->probability[index(part)];
+    for (std::size_t part = 0; part < mean.size(); ++part) {
+      mean[part] = static_cast<std::uint16_t>(mean[part] + leaf->probability[part]);
+    }
     ++trees;
   }
-  return trees > 0 ? sum / trees : 0;
-}
-
-PartLabel most_likely_part(const ClassifiedPixel& pixel) noexcept {
-  auto best = PartLabel{0};
-  for (int i = 1; i < kPartCount; ++i) {
-    const auto part = static_cast<PartLabel>(i);
-    if (part_probability(pixel, part) > part_probability(pixel, best)) best = part;
-  }
-  return best;
+  if (trees == 0) return PartLabel{0};
+  for (std::uint16_t& part : mean) part = static_cast<std::uint16_t>(part / trees);
+  return static_cast<PartLabel>(std::max_element(mean.begin(), mean.begin() + kPartCount) - mean.begin());
 }
 
 struct PartClassifier::State {

@@ -30,9 +30,7 @@ struct ClassifierOptions {
   int stride = 0;  ///< pixels between samples, both ways; 0: one sample per 160th of the image's width
 };
 
-/// The probability of a part at a pixel, in 255ths: the mean over the trees.
-[[nodiscard]] int part_probability(const ClassifiedPixel& pixel, PartLabel part) noexcept;
-/// The most likely label of a pixel; the first of equals.
+/// The most likely label of a pixel by the mean over the trees, in whole 255ths; the first of equals.
 [[nodiscard]] PartLabel most_likely_part(const ClassifiedPixel& pixel) noexcept;
 
 /// Labels the pixels of one person (Shotton et al. 2011, section 3.3). All decisions are in integers: the same

@@ -187,6 +187,7 @@ class NormalEquations {
       const Vector3f by = weight * shares[i] * direction;
       for (int r = 0; r < 3; ++r) right_[3 * joints[i] + static_cast<std::size_t>(r)] += by[r] * wanted;
       for (std::size_t j = 0; j < n; ++j) {
+        if (joints[j] > joints[i]) continue;  // the left side is symmetric: below its diagonal is enough
         for (int r = 0; r < 3; ++r) {
           for (int c = 0; c < 3; ++c) {
             left_[3 * joints[i] + static_cast<std::size_t>(r)][3 * joints[j] + static_cast<std::size_t>(c)] +=
