@@ -202,6 +202,10 @@ std::span<const TrackerEvent> Pipeline::release() noexcept {
   return {s.events.data(), s.event_count};
 }
 
+void Pipeline::halt() noexcept {
+  state_->navigator.hold();
+}
+
 void Pipeline::capture_rest() noexcept {
   state_->navigator.start_over();
 }

@@ -273,6 +273,7 @@ void Daemon::State::serve_between_frames() {
 
 void Daemon::State::stop_camera(wire::StopReason reason) {
   const bool ends = reason == wire::StopReason::Exit || reason == wire::StopReason::EndOfStream;
+  pipeline->halt();
   fill_stop(navigation, silent && !ends ? wire::StopReason::SourceFailed : reason);
   if (publisher.publish_navigation(navigation) && options.published) options.published(navigation);
 }

@@ -193,6 +193,67 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageFromTheFirstFrameOnIsLost) {
   EXPECT_EQ((*daemon)->metrics().stops.load(), 1U);
 }
 
+/// A synthetic person who walks by a bent knee, as a sensor shows her on an injected clock, but for what `spoils` puts
+/// in a frame's place: garbage, or nothing at all.
+class SensorThatStumbles final : public DepthSource {
+ public:
+  enum class Stumble : std::uint8_t { No, Garbage, Silence };
+  SensorThatStumbles(std::shared_ptr<ManualClock> clock, std::function<Stumble()> spoils)
+      : clock_(std::move(clock)), spoils_(std::move(spoils)), person_(*open_source(kPerson)), info_(person_->info()) {
+    info_.live = true;
+  }
+  [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds timeout) override {
+    clock_->advance(33ms);
+    const Stumble stumble = spoils_();
+    if (stumble == Stumble::Silence) return ReadStatus::Timeout;
+    auto status = person_->read(frame, timeout);
+    frame.sensor.time = frame.host.time = clock_->now();
+    if (stumble == Stumble::Garbage) std::ranges::fill(frame.depth_mm, std::uint16_t{13'000});
+    return status;
+  }
+
+ private:
+  static constexpr std::string_view kPerson = "synth:bend_knees?size=320x240&seed=11";
+  std::shared_ptr<ManualClock> clock_;
+  std::function<Stumble()> spoils_;
+  std::unique_ptr<DepthSource> person_;
+  SourceInfo info_;
+};
+
+TEST_F(DaemonTest, SpeedsUpFromAStandstillAfterEveryZeroThatItPublished) {
+  using Stumble = SensorThatStumbles::Stumble;
+  for (const auto& [stumble, frames] : {std::pair{Stumble::Garbage, 1}, {Stumble::Silence, 8}}) {
+    const auto clock = std::make_shared<ManualClock>();
+    auto options = options_for("a sensor", true);
+    const ActuatorOptions actuator = options.config.tracker.navigation.actuator;
+    int spoilt = 0;
+    float before_m_s = 0;
+    std::vector<float> after_m_s;  // the zero's and those of the messages that follow it
+    std::stop_source stop;
+    options.clock = clock;
+    options.source = std::make_unique<SensorThatStumbles>(
+        clock, [&] { return before_m_s > 0.8F && spoilt < frames ? (++spoilt, stumble) : Stumble::No; });
+    options.published = [&](const navproto::NavigationMessage& message) {
+      const float speed_m_s = message.velocity.linear_m_s;
+      if (spoilt == 0) before_m_s = std::abs(speed_m_s);
+      if (spoilt > 0) after_m_s.push_back(std::abs(speed_m_s));
+      if (after_m_s.size() > 4) stop.request_stop();
+    };
+    auto daemon = Daemon::create(std::move(options));
+    ASSERT_TRUE(daemon) << daemon.error().message;
+    ASSERT_TRUE((*daemon)->run(stop.get_token()));
+    ASSERT_EQ(spoilt, frames) << "she never walked";
+    ASSERT_GT(after_m_s.size(), 4U);
+    EXPECT_EQ(after_m_s[0], 0.0F);
+    for (int n = 1; n <= 3; ++n) {
+      const float most = static_cast<float>(n) * 0.033F * actuator.walk_acceleration_m_s2;
+      EXPECT_LE(after_m_s[static_cast<std::size_t>(n)], most + 1e-4F);
+    }
+    EXPECT_GT(after_m_s[3], 0.1F) << "she still steers";
+  }
+}
+
 TEST_F(DaemonTest, ARecordedPersonSteersASubscriberAndEndsWithAZero) {
   auto daemon = Daemon::create(options_for("synth:bend_knees?size=320x240&seed=11", true));
   ASSERT_TRUE(daemon) << daemon.error().message;
