@@ -106,8 +106,11 @@ void Pipeline::reset(const Intrinsics& intrinsics) {
 
 const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   State& s = *state_;
-  if (frame.intrinsics != s.intrinsics) reset(frame.intrinsics);
   s.event_count = 0;
+  if (frame.intrinsics != s.intrinsics) {
+    release();
+    reset(frame.intrinsics);
+  }
   TrackerOutput& out = s.out;
   out.sequence = frame.sequence;
   out.sensor = frame.sensor;
