@@ -141,7 +141,9 @@ void Daemon::State::compare_background(const Intrinsics& image) {
 
 bool Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
-  if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
+  const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr;
+  capture.judge(complaint == nullptr);
+  if (complaint != nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);
     if (refused_for == nullptr) {

@@ -141,11 +141,13 @@ class SensorOfGarbage final : public DepthSource {
     ++frame.sequence;
     return ReadStatus::Frame;
   }
+  void judge(bool good) noexcept override { called_bad_ += good ? 0 : 1; }
+  [[nodiscard]] int called_bad() const noexcept { return called_bad_; }
 
  private:
   std::shared_ptr<ManualClock> clock_;
   std::function<bool(int)> spoilt_;
-  int garbage_ = 0;
+  int garbage_ = 0, called_bad_ = 0;
   SourceInfo info_;
 };
 
@@ -156,10 +158,12 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageIsLostAndThatIsSaidOnce) {
   auto options = options_for("a sensor", true);
   options.clock = clock;
   options.published = [&](const navproto::NavigationMessage& message) { heard_last = message.stop_reason; };
-  options.source = std::make_unique<SensorOfGarbage>(clock, [&](int sent) {
+  auto source = std::make_unique<SensorOfGarbage>(clock, [&](int sent) {
     EXPECT_TRUE(sent != 1 || heard_last == navproto::StopReason::SourceFailed) << "at once";
     return sent > 0 || nav.health();
   });
+  const SensorOfGarbage& sensor = *source;
+  options.source = std::move(source);
   auto daemon = Daemon::create(std::move(options));
   ASSERT_TRUE(daemon) << daemon.error().message;
   ASSERT_TRUE((*daemon)->run({}));
@@ -176,6 +180,7 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageIsLostAndThatIsSaidOnce) {
   EXPECT_EQ(heard(navproto::EventKind::SourceRecovered), 0);
   EXPECT_FALSE((*daemon)->metrics().source_alive.load());
   EXPECT_EQ((*daemon)->metrics().bad_frames.load(), SensorOfGarbage::kGarbage);
+  EXPECT_EQ(sensor.called_bad(), SensorOfGarbage::kGarbage) << "so that it can be brought back";
   EXPECT_FALSE(nav.health()->source_alive);
   EXPECT_EQ(nav.health()->source_trouble, "a sensor sends no good frames: a garbage frame");
 }
