@@ -108,7 +108,7 @@ TEST_F(DaemonTest, SaysWhyASensorIsSilentShowsItAndLetsWhoSteeredGo) {
   const auto heard = [&](const std::string& text) { return std::count(events.begin(), events.end(), text); };
   EXPECT_EQ(heard("the capture process died"), 1);
   EXPECT_EQ(heard("nothing is plugged in"), 1) << "what is known later is said, too, and once";
-  EXPECT_EQ(heard("frames come again"), 1);
+  EXPECT_EQ(heard("good frames come again"), 1);
   EXPECT_EQ((*daemon)->metrics().engaged.load(), 2U);
   EXPECT_EQ((*daemon)->metrics().released.load(), 1U) << "ten seconds are longer than two";
   EXPECT_EQ(while_silent, (std::vector{navproto::Engagement::Suspended, navproto::Engagement::NoUser}));
@@ -225,6 +225,38 @@ class SensorThatStumbles final : public DepthSource {
   std::unique_ptr<DepthSource> person_;
   SourceInfo info_;
 };
+
+TEST_F(DaemonTest, ABadFrameExplainsNoSilenceThatFollowsIt) {
+  using Stumble = SensorThatStumbles::Stumble;
+  const auto clock = std::make_shared<ManualClock>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  std::stop_source stop;
+  navproto::NavSubscriber nav(endpoint_);
+  int spoilt = 0;
+  options.source = std::make_unique<SensorThatStumbles>(clock, [&] {
+    if (spoilt == 0 && !nav.health()) {
+      std::this_thread::sleep_for(5ms);
+      return Stumble::No;
+    }
+    if (++spoilt > 10) stop.request_stop();
+    return spoilt == 1 ? Stumble::Garbage : Stumble::Silence;
+  });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run(stop.get_token()));
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(eventually([&] {
+    for (const auto& event : nav.take_events()) {
+      if (event.kind == navproto::EventKind::Stopping) return true;
+      const bool warns = event.kind == navproto::EventKind::Warning || event.kind == navproto::EventKind::SourceLost;
+      if (warns) warnings.push_back(event.text);
+    }
+    return false;
+  }));
+  EXPECT_EQ(warnings, (std::vector<std::string>{"a sensor: a garbage frame; the camera is stopped",
+                                                "a sensor has sent no frame for 132 ms"}));
+}
 
 TEST_F(DaemonTest, SpeedsUpFromAStandstillAfterEveryZeroThatItPublished) {
   using Stumble = SensorThatStumbles::Stumble;
