@@ -17,7 +17,6 @@
 #include <unistd.h>
 
 #include "tests/support/temporary_directory.h"
-#include "tracker/daemon/frame_guard.h"
 #include "tracker/daemon/log_limit.h"
 #include "tracker/daemon/metrics.h"
 #include "tracker/synth/open_source.h"
@@ -552,34 +551,6 @@ TEST_F(DaemonTest, TellsPrometheusOnLoopback) {
   EXPECT_NE(reply.find("armature_stage_seconds_bucket{stage=\"forest\",le=\"+Inf\"} 0\n"), std::string::npos);
   EXPECT_TRUE(ask("nonsense").starts_with("HTTP/1.1 404"));
   EXPECT_TRUE(ask("GET /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 200 OK"));
-}
-
-TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
-  FrameGuard guard;
-  DepthFrame frame;
-  frame.intrinsics = {64, 48, 60, 60, 32, 24};
-  frame.depth_mm.assign(64 * 48, 2000);
-  const auto next = [&](std::chrono::nanoseconds by_sensor = 33ms) {
-    frame.sensor.time += by_sensor;
-    frame.host.time += 33ms;
-    const char* complaint = guard.complaint(frame.view());
-    return std::string(complaint == nullptr ? "" : complaint);
-  };
-  EXPECT_EQ(next(), "");
-  EXPECT_EQ(next(), "");
-  EXPECT_EQ(next(1h), "a jump of the sensor's clock");
-  EXPECT_EQ(next(-1h + 66ms), "") << "and back";
-  EXPECT_EQ(next(-1s), "a jump of the sensor's clock");
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(next(), "a jump of the sensor's clock");
-  EXPECT_EQ(next(), "") << "the new normal";
-  EXPECT_EQ(next(), "");
-  std::fill(frame.depth_mm.begin() + 64 * 16, frame.depth_mm.end(), std::uint16_t{0});
-  EXPECT_EQ(next(), "a torn frame");
-  frame.depth_mm.assign(64 * 48, 2000);
-  for (std::size_t i = 0; i < frame.depth_mm.size(); i += 3) frame.depth_mm[i] = 50000;
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a garbage frame") << "never normal";
-  frame.depth_mm.assign(64 * 47, 2000);
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a torn frame") << "never normal";
 }
 
 TEST(LogLimit, LetsABurstThroughAndThenOneAPeriod) {
