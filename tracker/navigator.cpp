@@ -1,5 +1,8 @@
 #include "tracker/navigator.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace armature {
 namespace {
 
@@ -43,6 +46,7 @@ const Navigation& Navigator::stop() noexcept {
 }
 
 void Navigator::hold() noexcept {
+  held_ = true;
   for (ShapedMotion& shape : shapes_) shape.reset();
   out_.walk = 0;
   out_.turn = 0;
@@ -83,7 +87,8 @@ const Navigation& Navigator::drive() noexcept {
   out_.walk = walking.shaped;
   out_.turn = turning.shaped;
   out_.too_noisy = walking.dead_zone > kMaxDeadZone || turning.dead_zone > kMaxDeadZone;
-  out_.velocity = actuator_.drive(out_.walk, out_.turn, dt_);
+  const auto speeding_up = std::exchange(held_, false) ? std::min(dt_, kFirstStep) : dt_;
+  out_.velocity = actuator_.drive(out_.walk, out_.turn, speeding_up);
   return out_;
 }
 

@@ -71,7 +71,8 @@ class Navigator {
   /// The second half: transfer functions and actuator.
   const Navigation& drive() noexcept;
 
-  /// Instead of the second half: motions are measured, and the camera stands.
+  /// The camera stands. Instead of the second half, or between frames where whoever publishes has said so; what is
+  /// measured goes on. The next drive() speeds up from a standstill, by one frame's step however long it stood.
   void hold() noexcept;
 
   /// A frame in which she was not tracked: the camera stops at once.
@@ -90,6 +91,7 @@ class Navigator {
   Actuator actuator_;
   std::optional<std::chrono::nanoseconds> last_time_;
   std::chrono::nanoseconds dt_{0};  // between the last two tracked frames
+  bool held_ = false;               // since the last drive()
   RestOptions rest_options_;
   Navigation out_;
 };

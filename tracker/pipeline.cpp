@@ -106,8 +106,11 @@ void Pipeline::reset(const Intrinsics& intrinsics) {
 
 const TrackerOutput& Pipeline::process(DepthView frame) noexcept {
   State& s = *state_;
-  if (frame.intrinsics != s.intrinsics) reset(frame.intrinsics);
   s.event_count = 0;
+  if (frame.intrinsics != s.intrinsics) {
+    release();
+    reset(frame.intrinsics);
+  }
   TrackerOutput& out = s.out;
   out.sequence = frame.sequence;
   out.sensor = frame.sensor;
@@ -200,6 +203,10 @@ std::span<const TrackerEvent> Pipeline::release() noexcept {
   s.engagement.release();
   s.start_over();
   return {s.events.data(), s.event_count};
+}
+
+void Pipeline::halt() noexcept {
+  state_->navigator.hold();
 }
 
 void Pipeline::capture_rest() noexcept {

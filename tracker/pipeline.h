@@ -85,9 +85,13 @@ class Pipeline {
   /// The result is valid until the next call.
   const TrackerOutput& process(DepthView frame) noexcept;
 
-  /// Lets whoever is there go, as a long gap between frames does: the next frame chooses anew. The background stays. What
-  /// is to be said of it is valid until the next call.
+  /// Lets whoever is there go, as a long gap between frames does: the next frame chooses anew. The background stays.
+  /// What is to be said of it is valid until the next call.
   std::span<const TrackerEvent> release() noexcept;
+
+  /// Says that a velocity of zero was published between frames: the next frame speeds up from a standstill. Rest pose,
+  /// filters and who steers stay. Realtime-safe: yes.
+  void halt() noexcept;
 
   /// The active user's rest pose is captured anew.
   void capture_rest() noexcept;

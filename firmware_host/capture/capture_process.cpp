@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <utility>
 
 #include <poll.h>
 #include <spawn.h>
@@ -122,10 +123,12 @@ struct CaptureProcess::State {
   Recovery recovery;
   std::string path;
   bool ever_started = false;
+  bool heard = false;  // a frame, since the last step of recovery
   std::chrono::nanoseconds started{0};
   mutable std::mutex mutex;
   std::string trouble;  // under the mutex; empty: all is well
   std::atomic<std::uint64_t> restarts{0}, bad_frames{0};
+  std::atomic<bool> good{true};  // the frames, as far as they were judged
 };
 
 Expected<std::unique_ptr<CaptureProcess>> CaptureProcess::open(std::string_view uri, const OpenOptions& options) {
@@ -174,6 +177,10 @@ void CaptureProcess::show(StatusLight light) {
   state_->frames.show(static_cast<std::uint32_t>(light));
 }
 
+void CaptureProcess::judge(bool good) noexcept {
+  state_->good.store(good, std::memory_order_relaxed);
+}
+
 pid_t CaptureProcess::process() const noexcept {
   return state_->child.pid();
 }
@@ -202,14 +209,17 @@ void CaptureProcess::State::supervise() {
   }
   const Reader seen = reader();
   if (const std::string text = frames.trouble(); seen == Reader::Waiting && !text.empty()) set_trouble(text);
-  switch (recovery.step(now, seen)) {
+  const Recovery::Step step = recovery.step(now, seen);
+  const bool bad_frames_come = step != Recovery::Step::None && std::exchange(heard, false);
+  switch (step) {
     case Recovery::Step::None: return;
     case Recovery::Step::RestartStream: return frames.command(CaptureCommand::RestartStream);
     case Recovery::Step::ResetDevice: return frames.command(CaptureCommand::ResetDevice);
     case Recovery::Step::Reopen: return frames.command(CaptureCommand::Reopen);
     case Recovery::Step::RestartProcess: break;
   }
-  if (seen == Reader::Streaming) set_trouble(info.uri + ": no frame comes; the capture process is started again");
+  if (seen == Reader::Streaming && !bad_frames_come)
+    set_trouble(info.uri + ": no frame comes; the capture process is started again");
   child.end();
   frames.clear();
   if (ever_started) restarts.fetch_add(1, std::memory_order_relaxed);
@@ -236,7 +246,8 @@ Expected<ReadStatus> CaptureProcess::read(DepthFrame& frame, std::chrono::millis
     s.supervise();
     switch (s.frames.read(frame)) {
       case SharedFrames::Read::Frame:
-        s.recovery.frame(s.clock->now());
+        s.heard = true;
+        if (s.good.load(std::memory_order_relaxed)) s.recovery.frame(s.clock->now());
         s.set_trouble("");
         return ReadStatus::Frame;
       case SharedFrames::Read::Torn: s.bad_frames.fetch_add(1, std::memory_order_relaxed); continue;

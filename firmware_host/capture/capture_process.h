@@ -12,7 +12,8 @@ namespace armature {
 /// A source that is read by a process of its own (`lib/armature/armature-capture`), which hands frames over in shared
 /// memory, newest wins. A device library that crashes or hangs takes nobody with it: read() says Timeout, health() says
 /// why, and Recovery decides when the stream is restarted, the device reset or reopened, the process killed and started
-/// again. It never gives up, so read() never fails; a recording's end is passed on.
+/// again, also while frames come of which judge() says that they are no good. It never gives up, so read() never fails;
+/// a recording's end is passed on.
 class CaptureProcess final : public DepthSource {
  public:
   /// Fails only where the program is missing. With OpenOptions::wait_for_device, also where no frame comes within it.
@@ -25,6 +26,8 @@ class CaptureProcess final : public DepthSource {
   [[nodiscard]] SourceHealth health() const override;
   /// Any thread.
   void show(StatusLight light) override;
+  /// Any thread.
+  void judge(bool good) noexcept override;
 
   /// The running process; -1 where there is none at the moment. For tests, which kill it. Any thread.
   [[nodiscard]] pid_t process() const noexcept;

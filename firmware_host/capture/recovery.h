@@ -14,14 +14,15 @@ enum class Reader : std::uint8_t {
   Streaming,  ///< frames come, or should
 };
 
-/// What to try next with a sensor that is silent, and when: gentle first, harder later, never giving up.
+/// What to try next with a sensor that is silent, and when: gentle first, harder later, never giving up. Frames that
+/// are no good are silence.
 ///
 ///     silence    0.5 s         1.2 s        2.2 s    3.5 s             and then, each after a longer pause up to 2 s
 ///     step       restart the   reset the    reopen   restart the       restart the process
 ///                stream        USB device   it       process
 ///
-/// Silence is counted while a stream is open: from the last frame, or from when the device was opened since. A step
-/// that opens it anew starts the count again, so that the next comes its whole time of the table after that.
+/// Silence is counted while a stream is open: from the last good frame, or from when the device was opened since. A
+/// step that opens it anew starts the count again, so that the next comes its whole time of the table after that.
 ///
 /// A process that opens a device is left alone. One that finds none that opens is restarted after 10 s, then after 20,
 /// 40, 60 and every 60 s, for a library that has lost its way. One that hangs() is killed, whatever it was at.
@@ -32,7 +33,7 @@ class Recovery {
   using Time = std::chrono::nanoseconds;
   enum class Step : std::uint8_t { None, RestartStream, ResetDevice, Reopen, RestartProcess };
 
-  /// A frame came: all is well again.
+  /// A good frame came: all is well again.
   void frame(Time now) noexcept {
     silent_since_ = now;
     tried_ = 0;

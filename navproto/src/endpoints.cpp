@@ -48,9 +48,7 @@ Expected<void> may_connect(std::string_view endpoint) {
   const LocalAddress address(endpoint.substr(kIpc.size()));
   const Descriptor probe = stream_socket(AF_UNIX);
   if (::connect(probe.get(), address.get(), address.size) == 0 || errno != EACCES) return {};
-  return fail(std::string(endpoint) +
-              ": permission denied; ask as root, or join the group of the socket (for the installed daemon: `adduser "
-              "USER armature`, then log in anew)");
+  return fail(std::string(endpoint) + ": permission denied; " + std::string(kHowToBeLetIn));
 }
 
 }  // namespace armature::navproto

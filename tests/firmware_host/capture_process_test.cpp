@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -331,6 +332,36 @@ TEST_F(CaptureProcessTest, StartsAProcessThatHangsAgain) {
   }
   EXPECT_TRUE(frame_comes(**source));
   EXPECT_EQ((*source)->health().restarts, 1U);
+}
+
+TEST_F(CaptureProcessTest, TakesFramesThatAreNoGoodForSilence) {
+  const auto clock = std::make_shared<ManualClock>();
+  auto source = CaptureProcess::open(dump(900).substr(8), {.clock = clock, .wait_for_device = 10s});
+  ASSERT_TRUE(source) << source.error().message;
+  const auto process = (*source)->process();
+  const auto restarts = [&] { return (*source)->health().restarts; };
+  // The next frame, said to come 250 ms after the last one.
+  const auto one_more = [&](bool good) {
+    DepthFrame frame;
+    for (int i = 0; i < 10'000; ++i) {
+      const auto status = (*source)->read(frame, 0ms);
+      EXPECT_EQ((*source)->health().trouble, "") << "frames come";
+      if (status && *status == ReadStatus::Frame) {
+        (*source)->judge(good);
+        clock->advance(250ms);
+        return true;
+      }
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  };
+  for (int n = 0; n < 20; ++n) ASSERT_TRUE(one_more(true));
+  EXPECT_EQ((*source)->process(), process);
+  for (int n = 0; n < 100 && restarts() == 0; ++n) ASSERT_TRUE(one_more(false));
+  EXPECT_EQ(restarts(), 1U);
+  EXPECT_NE((*source)->process(), process);
+  for (int n = 0; n < 20; ++n) ASSERT_TRUE(one_more(true));
+  EXPECT_EQ(restarts(), 1U);
 }
 
 TEST_F(CaptureProcessTest, SaysWhatIsMissingAndGoesOnLookingForIt) {

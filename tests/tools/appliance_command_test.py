@@ -87,7 +87,7 @@ class Doctor(unittest.TestCase):
                 self.assertIn("INDEX.txt", findings["daemon"]["found"], "why no frames come")
                 self.assertNotIn("port", findings, "it is the daemon's")
                 self.assertNotIn("endpoint", findings)
-                self.assertRegex(run("status", f"ipc://{folder}/nav").stdout, "SILENT: .*INDEX.txt")
+                self.assertRegex(run("status", f"ipc://{folder}/nav").stdout, "LOST: .*INDEX.txt")
             finally:
                 daemon.terminate()
                 daemon.wait()

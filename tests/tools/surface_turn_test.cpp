@@ -62,5 +62,19 @@ TEST(SurfaceTurn, OfNobodyIsNothing) {
   EXPECT_FALSE(surface_turn(frame, mask, {.top = {0, -0.2F, 0}, .bottom = {0, 0.2F, 0}}));
 }
 
+TEST(SurfaceTurn, OfOneColumnOrOneRowIsNothing) {
+  const Intrinsics k{
+      .width = 80, .height = 80, .focal_x_px = 80, .focal_y_px = 80, .centre_x_px = 40, .centre_y_px = 40};
+  const std::vector<std::uint16_t> depth_mm(std::size_t{80} * 80, 400);
+  const DepthView frame{.depth_mm = depth_mm, .intrinsics = k, .sensor = {}, .host = {}};
+  const TrunkStrip strip{.top = {0, -0.18F, 0.4F}, .bottom = {0, 0.18F, 0.4F}};
+  std::vector<std::uint8_t> all(depth_mm.size(), 1), column(depth_mm.size(), 0), row(depth_mm.size(), 0);
+  for (std::size_t i = 0; i < 80; ++i) column[i * 80 + 45] = row[std::size_t{45} * 80 + i] = 1;
+  ASSERT_TRUE(surface_turn(frame, all, strip));
+  EXPECT_NEAR(*surface_turn(frame, all, strip), 0, 1e-9);
+  EXPECT_FALSE(surface_turn(frame, column, strip));
+  EXPECT_FALSE(surface_turn(frame, row, strip));
+}
+
 }  // namespace
 }  // namespace armature::tools

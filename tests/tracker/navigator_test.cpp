@@ -114,6 +114,22 @@ TEST(Navigator, StopsAtOnceWhenTrackingIsLostAndStartsFromAStandstillAfterwards)
   EXPECT_LE(feed.frame(right_knee_forward(0.15F)).velocity.linear_m_s, 0.15F) << "a gap in the stream is a stop";
 }
 
+TEST(Navigator, SpeedsUpByAFramesStepWhereItWasHeldInAGapHoweverLongThatWas) {
+  Navigator navigator({}, {.mode = RestMode::First});
+  Feed feed(navigator, 0);
+  feed.stand(10);
+  for (int i = 0; i < 30; ++i) feed.frame(right_knee_forward(0.15F));
+  ASSERT_GT(navigator.navigation().velocity.linear_m_s, 0.5F);
+  navigator.hold();
+  EXPECT_EQ(navigator.navigation().velocity.linear_m_s, 0);
+  feed.pause(300ms);
+  const float first_m_s = feed.frame(right_knee_forward(0.15F)).velocity.linear_m_s;
+  EXPECT_GT(first_m_s, 0.0F) << "the rest pose stays";
+  EXPECT_LE(first_m_s, 0.1F);
+  const float second_m_s = feed.frame(right_knee_forward(0.15F)).velocity.linear_m_s;
+  EXPECT_NEAR(second_m_s, first_m_s + 0.1F, 0.001F);
+}
+
 TEST(Navigator, HoldsAMotionOfHiddenJointsBrieflyAndThenCallsItZero) {
   Navigator navigator({}, {.mode = RestMode::First});
   Feed feed(navigator, 0);

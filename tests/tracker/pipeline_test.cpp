@@ -86,5 +86,27 @@ TEST(Pipeline, StopsInTheFrameInWhichNobodyIsThereAnyMore) {
   EXPECT_EQ(output->stop, StopReason::TrackingLost);
 }
 
+TEST(Pipeline, SaysWhomAnImageOfAnotherSizeMadeItForget) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  Pipeline pipeline(forest, {});
+  auto source = SynthSource::open("stand?size=160x120&seed=3"), other = SynthSource::open("stand?size=320x240&seed=3");
+  ASSERT_TRUE(source && other);
+  DepthFrame frame;
+  const TrackerOutput* output = nullptr;
+  do {
+    const auto status = (*source)->read(frame, 1s);
+    ASSERT_TRUE(status && *status == ReadStatus::Frame) << "she never steered";
+    output = &pipeline.process(frame.view());
+  } while (output->state != EngagementState::Engaged);
+  const std::uint8_t user = output->user;
+  ASSERT_TRUE((*other)->read(frame, 1s));
+  output = &pipeline.process(frame.view());
+  ASSERT_GE(output->events.size(), 2U);
+  EXPECT_EQ(output->events[0].kind, TrackerEventKind::Released);
+  EXPECT_EQ(output->events[1].kind, TrackerEventKind::UserLeft);
+  for (const TrackerEvent& event : output->events.first(2)) EXPECT_EQ(event.user, user);
+}
+
 }  // namespace
 }  // namespace armature

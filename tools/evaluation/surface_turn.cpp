@@ -14,6 +14,7 @@ constexpr float kHalfDepth_m = 0.22F;
 constexpr std::size_t kLeastPixels = 30;
 constexpr int kRounds = 5;
 constexpr double kLeastResidual_m = 0.005;
+constexpr double kLeastPivot = 1e-9;  // of the largest
 
 Eigen::Vector3f middle(const Skeleton& skeleton, JointId left, JointId right) noexcept {
   return 0.5F * (skeleton[left].position + skeleton[right].position);
@@ -73,9 +74,12 @@ std::optional<double> surface_turn(const DepthView& frame, std::span<const std::
       normal += weight * row * row.transpose();
       right += weight * p.z() * row;
     }
-    plane = normal.ldlt().solve(right);
+    const auto factorised = normal.ldlt();
+    const Eigen::Vector3d pivots = factorised.vectorD();
+    // All of them in one line: any slope would do.
+    if (pivots.minCoeff() < kLeastPivot * pivots.maxCoeff()) return std::nullopt;
+    plane = factorised.solve(right);
   }
-  if (!plane.allFinite()) return std::nullopt;  // all of them in one row
   // Somebody who faces the camera has her left at +x; turned to it, that side is farther away.
   return std::atan(plane.x());
 }

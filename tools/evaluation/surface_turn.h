@@ -20,7 +20,7 @@ struct TrunkStrip {
 
 /// How far what is seen of a strip is turned to the left about the vertical of the camera, radians: of the plane that
 /// most of its pixels lie near. A witness of turns that knows no joints. It says less than the whole turn, by a share
-/// that belongs to the build of the body. Nothing where fewer than 30 pixels are seen.
+/// that belongs to the build of the body. Nothing where fewer than 30 pixels are seen, or all of them in one line.
 [[nodiscard]] std::optional<double> surface_turn(const DepthView& frame, std::span<const std::uint8_t> mask,
                                                  const TrunkStrip& strip);
 

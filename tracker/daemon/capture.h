@@ -30,6 +30,8 @@ class Capture {
   void show(StatusLight light) {
     if (lossless_ || source_->info().live) source_->show(light);
   }
+  /// Of the last frame, to a source that brings itself back.
+  void judge(bool good) noexcept { source_->judge(good); }
   [[nodiscard]] SourceHealth health() const { return source_->health(); }
   [[nodiscard]] std::uint64_t dropped() const noexcept { return latest_.dropped(); }
 

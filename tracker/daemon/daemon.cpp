@@ -33,10 +33,13 @@ std::uint64_t resident_bytes() {
   return resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
+/// Frames come, as long as the last one is no older: two and a half of them.
+std::chrono::nanoseconds few_frames(const SourceInfo& info) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(2.5e9 / std::max(1.0, info.frames_per_second)));
+}
+
 std::chrono::nanoseconds silence_of(const SourceInfo& info) {
-  const auto frames =
-      std::chrono::nanoseconds(static_cast<std::int64_t>(2.5e9 / std::max(1.0, info.frames_per_second)));
-  return std::clamp<std::chrono::nanoseconds>(frames, kSilence, kLongestSilence);
+  return std::clamp(few_frames(info), kSilence, kLongestSilence);
 }
 
 template <class T>
@@ -141,9 +144,12 @@ void Daemon::State::compare_background(const Intrinsics& image) {
 
 bool Daemon::State::track(const DepthFrame& frame) {
   const auto received = frame.host.time;
-  if (const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr) {
+  const char* complaint = capture.info().live ? guard.complaint(frame.view()) : nullptr;
+  capture.judge(complaint == nullptr);
+  if (complaint != nullptr) {
     metrics.bad_frames.fetch_add(1, std::memory_order_relaxed);
     stop_camera(wire::StopReason::SourceFailed);
+    last_refused = options.clock->now();
     if (refused_for == nullptr) {
       refused_for = complaint;
       if (!silent)
@@ -176,7 +182,7 @@ bool Daemon::State::track(const DepthFrame& frame) {
     silent = false;
     trouble.clear();
     show_state();
-    say(wire::EventKind::SourceRecovered, "frames come again");
+    say(wire::EventKind::SourceRecovered, "good frames come again");
   }
   note_state(output.state);
 
@@ -208,7 +214,7 @@ void Daemon::State::let_go() {
 }
 
 void Daemon::State::show_state() {
-  service.status(silent ? "no frames: " + trouble : "running");
+  service.status(silent ? "source lost: " + trouble : "running");
   show_light();
 }
 
@@ -236,11 +242,13 @@ void Daemon::State::watch_source(bool good_frame) {
     stop_camera(wire::StopReason::SourceFailed);
   }
   if (good_frame) return;
+  const auto now = options.clock->now();
+  if (now - last_refused > few_frames(capture.info())) refused_for = nullptr;
   const std::string known = !source.trouble.empty() ? source.trouble
                             : refused_for != nullptr
                                 ? fmt::format("{} sends no good frames: {}", config.source, refused_for)
                                 : "";
-  const auto unheard_of = options.clock->now() - last_frame;
+  const auto unheard_of = now - last_frame;
   if (silent) {
     if (last_state != EngagementState::Absent && unheard_of > config.tracker.engagement.lost_timeout) {
       let_go();
@@ -255,7 +263,9 @@ void Daemon::State::watch_source(bool good_frame) {
   }
   if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
   silent = true;
-  trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source, unheard_of / 1ms) : known;
+  trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source,
+                                        (now - std::max(last_frame, last_refused)) / 1ms)
+                          : known;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
@@ -273,6 +283,7 @@ void Daemon::State::serve_between_frames() {
 
 void Daemon::State::stop_camera(wire::StopReason reason) {
   const bool ends = reason == wire::StopReason::Exit || reason == wire::StopReason::EndOfStream;
+  pipeline->halt();
   fill_stop(navigation, silent && !ends ? wire::StopReason::SourceFailed : reason);
   if (publisher.publish_navigation(navigation) && options.published) options.published(navigation);
 }

@@ -79,7 +79,8 @@ struct Daemon::State {
   bool silent = false;
   std::string trouble;  // why, while it is silent
   FrameGuard guard;
-  const char* refused_for = nullptr;  // what was wrong with the first bad frame since the last good one
+  const char* refused_for = nullptr;  // what was wrong with the first of the bad frames that come; null: none do
+  std::chrono::nanoseconds last_refused{0};
   bool said_background_misfits = false;
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;

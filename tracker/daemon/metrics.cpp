@@ -73,7 +73,7 @@ std::string prometheus_text(const Metrics& metrics, std::string_view version) {
   say("frames_dropped_total", "counter", "Frames overtaken by a newer one.", metrics.dropped.load());
   say("frames_refused_total", "counter", "Torn or garbage frames, and jumps of the sensor's clock.",
       metrics.bad_frames.load());
-  say("source_alive", "gauge", "Whether frames come.", metrics.source_alive.load() ? 1 : 0);
+  say("source_alive", "gauge", "Whether good frames come.", metrics.source_alive.load() ? 1 : 0);
   say("source_restarts_total", "counter", "Starts of the capture process after the first.", metrics.restarts.load());
   say("stops_total", "counter", "Zeros published because of the source.", metrics.stops.load());
   say("engagement_state", "gauge", "0 absent, 1 waiting, 2 calibrating, 3 engaged, 4 lost.", metrics.engagement.load());

@@ -301,8 +301,9 @@ void BodyFit::learn(const PartVotes& votes, const Skeleton& skeleton) noexcept {
   const Points joints = points_of(skeleton);
   for (std::size_t l = 0; l < kLengths; ++l) {
     const auto& ends = kLength[l].ends;
+    if (lost(skeleton, ends)) continue;
     lengths_m_[l].age();
-    if (!lost(skeleton, ends)) lengths_m_[l].add((joints[ends[1]] - joints[ends[0]]).norm());
+    lengths_m_[l].add((joints[ends[1]] - joints[ends[0]]).norm());
   }
   for (std::size_t l = 0; l < kLimbs; ++l) {
     const auto& ends = kLimb[l].ends;

@@ -17,7 +17,8 @@ struct JointOptions {
 /// leaves cast for it (offsets from the surface point to the joint; Girshick et al. 2011), found by mean shift from
 /// several starts, the previous frame's joint among them. Votes count by the area of their pixel. A joint with too few
 /// votes is carried along with its neighbour in the body. Then the forest's correction, where it has one, moves all of
-/// them (joint_correction.h).
+/// them (joint_correction.h). Last, with any forest, trunk and legs are moved to where the surface that the user had at
+/// rest fits the one that is seen (body_fit.h), once 15 frames have shown it.
 /// Owns its memory. Deterministic. Thread-safe: no. Realtime-safe: everything but the constructor.
 class JointEstimator {
  public:
@@ -31,7 +32,8 @@ class JointEstimator {
   void reset() noexcept;
 
   /// Corrections look at how the user is built, which is taken from the last frames until this says that it is known
-  /// (and there were 15 at least): joints do not shift any more because she moves on. reset() forgets it.
+  /// (and there were 15 at least): joints do not shift any more because she moves on. The surface that trunk and legs
+  /// are fitted to is kept with it. reset() forgets both.
   void keep_build(bool keep) noexcept;
 
   /// With no pixels every joint is lost, at its last position.

@@ -52,14 +52,15 @@ class SkeletonFilter {
  private:
   static constexpr float kFrame_s = 1.0F / 30;
   static constexpr std::chrono::milliseconds kForgetAfter{500};
-  static constexpr float kUsualFrames = 90;   // that make what is usual
-  static constexpr float kLeastTrust = 0.1F;  // whatever moves in the end is followed
+  static constexpr float kUsualFrames = 90;    // that make what is usual
+  static constexpr float kLeastTrust = 0.1F;   // whatever moves in the end is followed
+  static constexpr float kHardlySure = 0.01F;  // confidences that differ by less are alike
 
   /// The filter of a joint of which this much is known now.
   OneEuroOptions trusting(float confidence, std::size_t joint) noexcept {
     float& usual = usual_[joint];
     usual = usual > 0 ? usual + (confidence - usual) / kUsualFrames : confidence;
-    const float as_usual = usual > 0 ? std::clamp(confidence / usual, kLeastTrust, 1.0F) : 1;
+    const float as_usual = std::clamp((confidence + kHardlySure) / (usual + kHardlySure), kLeastTrust, 1.0F);
     OneEuroOptions options = options_;
     options.min_cutoff_hz *= as_usual;
     options.speed_coefficient *= as_usual * confidence * confidence;

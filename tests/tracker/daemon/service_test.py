@@ -35,7 +35,7 @@ class Notify(unittest.TestCase):
                     fed += heard == "WATCHDOG=1"
                     said += [heard] if heard.startswith("STATUS=") else []
                 self.assertEqual(said[0], "STATUS=running")
-                self.assertIn("STATUS=no frames: ", said[-1])
+                self.assertIn("STATUS=source lost: ", said[-1])
             finally:
                 daemon.terminate()
                 self.assertEqual(daemon.wait(timeout=20), 0)

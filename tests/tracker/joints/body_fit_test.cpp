@@ -188,6 +188,18 @@ TEST(BodyFit, IsNotHeldByWhatIsLost) {
   EXPECT_LT((skeleton[LeftKnee].position - knee).norm(), 0.003F);
 }
 
+TEST(BodyFit, KnowsALengthHoweverLongItCouldNotBeMeasured) {
+  BodyFit fit = learned();
+  const Doll doll;
+  const Doll::Seen seen = doll.seen();
+  Skeleton hidden = doll.skeleton();
+  hidden[LeftAnkle].state = hidden[RightAnkle].state = JointState::Lost;
+  for (int i = 0; i < 3000; ++i) fit.learn(seen.votes(), hidden);
+  Skeleton skeleton = doll.skeleton();
+  fit.apply(seen.votes(), skeleton);
+  EXPECT_LT(worst(skeleton, doll.skeleton()), 0.002F);
+}
+
 TEST(BodyFit, StaysFiniteWhereNothingIsSeenOrAllJointsAreOne) {
   BodyFit fit = learned();
   Skeleton skeleton = Doll{}.skeleton();

@@ -99,7 +99,7 @@ void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& 
   if (daemon.source_alive) {
     findings.good("daemon", fmt::format("{}, {:.1f} frames a second", what, daemon.frames_per_second));
   } else {
-    findings.bad("daemon", what + ", which sends no good frames: " + daemon.source_trouble,
+    findings.bad("daemon", what + ", which is lost: " + daemon.source_trouble,
                  "see the sensors above; `journalctl -u armatured` has the story");
   }
   if (options.site.source == daemon.source)
@@ -137,8 +137,7 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
     const auto at = navproto::endpoints_of(*control);
     if (at && !navproto::may_connect(at->control))
       return findings.bad("daemon", at->control + ": permission denied: whether a daemon runs there cannot be told",
-                          "run `armature doctor` as root, or join the group of the socket (for the installed daemon: "
-                          "`adduser USER armature`, then log in anew)");
+                          std::string(navproto::kHowToBeLetIn));
     // What the endpoint and the port are for is there already.
     if (const auto daemon = ask_daemon(*control)) return look_at_daemon(*daemon, options, findings);
   }

@@ -101,7 +101,7 @@ struct HealthMessage {
   double uptime_s = 0;                 ///< since the publisher started
   std::string version{};               ///< of the daemon
   std::string source{};                ///< its URI
-  bool source_alive = false;           ///< whether frames come
+  bool source_alive = false;           ///< whether good frames come
   std::uint64_t frames_received = 0;   ///< from the source, since the start
   std::uint64_t frames_dropped = 0;    ///< replaced by a newer one before the tracker took them
   std::uint64_t frames_processed = 0;  ///< by the tracker, since the start
@@ -109,7 +109,7 @@ struct HealthMessage {
   float latency_p50_us = 0;            ///< frame received to message handed to the socket, over the last seconds
   float latency_p99_us = 0;            ///< the same, exceeded by one message in a hundred
   std::uint64_t resident_bytes = 0;    ///< memory that the daemon holds
-  std::string source_trouble{};        ///< one line: why no frames come; empty where they do
+  std::string source_trouble{};        ///< one line: why no good frames come; empty where they do
 
   friend bool operator==(const HealthMessage&, const HealthMessage&) = default;
 };

@@ -1,0 +1,42 @@
+#include "tracker/daemon/frame_guard.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace armature {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
+  FrameGuard guard;
+  DepthFrame frame;
+  frame.intrinsics = {64, 48, 60, 60, 32, 24};
+  frame.depth_mm.assign(64 * 48, 2000);
+  const auto next = [&](std::chrono::nanoseconds by_sensor = 33ms) {
+    frame.sensor.time += by_sensor;
+    frame.host.time += 33ms;
+    const char* complaint = guard.complaint(frame.view());
+    return std::string(complaint == nullptr ? "" : complaint);
+  };
+  EXPECT_EQ(next(), "");
+  EXPECT_EQ(next(), "");
+  EXPECT_EQ(next(1h), "a jump of the sensor's clock");
+  EXPECT_EQ(next(-1h + 66ms), "") << "and back";
+  EXPECT_EQ(next(-1s), "a jump of the sensor's clock");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(next(), "a jump of the sensor's clock");
+  EXPECT_EQ(next(), "") << "the new normal";
+  EXPECT_EQ(next(), "");
+  std::fill(frame.depth_mm.begin() + 64 * 16, frame.depth_mm.end(), std::uint16_t{0});
+  EXPECT_EQ(next(), "a torn frame");
+  frame.depth_mm.assign(64 * 48, 2000);
+  for (std::size_t i = 0; i < frame.depth_mm.size(); i += 3) frame.depth_mm[i] = 50000;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a garbage frame") << "never normal";
+  frame.depth_mm.assign(64 * 47, 2000);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a torn frame") << "never normal";
+}
+
+}  // namespace
+}  // namespace armature
