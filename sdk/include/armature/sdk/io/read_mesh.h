@@ -21,9 +21,9 @@ struct ReadOptions {
 /// Reads a triangle mesh from a file. Vertices keep their order, faces theirs; a polygon becomes consecutive triangles
 /// (see `triangulate_polygon()`). Numbers become the doubles nearest to them. Non-manifold, open, degenerate,
 /// duplicated and inside-out meshes are read as they are. A file that is truncated, corrupt, without a face (one of
-/// points with normals alone is told so), or has triangle strips (of PLY), an index out of range or a coordinate that is
-/// not finite is refused with its name, the line or byte, and what was expected. What is not of a mesh (normals, radii,
-/// edges) is skipped.
+/// points with normals alone is told so), or has triangle strips (of PLY), an index out of range or a coordinate that
+/// is not finite is refused with its name, the line or byte, and what was expected. What is not of a mesh (normals,
+/// radii, edges) is skipped.
 [[nodiscard]] Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {},
                                        const Task& task = {});
 
