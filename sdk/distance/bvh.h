@@ -66,9 +66,9 @@ class Bvh {
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
 
   /// Visits leaves nearest first: `bound(node)` gives a lower bound for each child, `visit(first, count)` looks at a
-  /// run of items and returns the new limit. What lies beyond the limit is left out.
+  /// run of items and returns the new limit. What lies beyond the limit is left out. Throws what they throw.
   template <class Bound, class Visit>
-  void descend(float limit, Bound&& bound, Visit&& visit) const noexcept;
+  void descend(float limit, Bound&& bound, Visit&& visit) const;
 
  private:
   std::vector<Node> nodes_;
@@ -76,7 +76,7 @@ class Bvh {
 };
 
 template <class Bound, class Visit>
-void Bvh::descend(float limit, Bound&& bound, Visit&& visit) const noexcept {
+void Bvh::descend(float limit, Bound&& bound, Visit&& visit) const {
   if (nodes_.empty()) return;
   struct Entry {
     float bound;

@@ -138,7 +138,7 @@ Cavities::Space Cavities::look(const SphereMeshTree& tree, const Vector3d& x, Ne
   return state == Cell::Free ? Space::Closed : Space::Open;
 }
 
-Cavities::Space Cavities::space_at(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
+Cavities::Space Cavities::space_at(const SphereMeshTree& tree, const Vector3d& point) const {
   constexpr int kMostSteps = 40;
   constexpr double kMomentum = 0.7;  // between two walls their normals alternate; their sum leads out
   Vector3d x = point;
@@ -153,7 +153,7 @@ Cavities::Space Cavities::space_at(const SphereMeshTree& tree, const Vector3d& p
   return explore(tree, point);
 }
 
-Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const noexcept {
+Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& point) const {
   struct Ball {
     Vector3d centre;
     double radius;
@@ -188,7 +188,7 @@ Cavities::Space Cavities::explore(const SphereMeshTree& tree, const Vector3d& po
   return Space::Narrow;
 }
 
-bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const noexcept {
+bool Cavities::faces(const SphereMeshTree& tree, const Vector3d& point, const Vector3d& normal) const {
   // Thin walls are not passed through; what the point lies off the surface by is none, however flat the way.
   const auto sees = [&](const Vector3d& from) {
     const double way = (point - from).norm();

@@ -23,21 +23,21 @@ class Cavities {
   /// What free space at a point belongs to. From there it is walked away from the surface, and then searched ball by
   /// ball, until a free ball holds the middle of a cell, which is open or closed; where none does, the space is
   /// narrower than a cell.
-  [[nodiscard]] Space space_at(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] Space space_at(const SphereMeshTree& tree, const Eigen::Vector3d& point) const;
   /// Whether it belongs to a closed void; what is narrower than a cell counts as closed.
-  [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept {
+  [[nodiscard]] bool holds(const SphereMeshTree& tree, const Eigen::Vector3d& point) const {
     return space_at(tree, point) != Space::Open;
   }
   /// The same for the free space in front of a point of the surface.
   [[nodiscard]] bool faces(const SphereMeshTree& tree, const Eigen::Vector3d& point,
-                           const Eigen::Vector3d& normal) const noexcept;
+                           const Eigen::Vector3d& normal) const;
 
  private:
   enum class Cell : std::uint8_t { Solid, Free, Outer };
 
   /// What the free ball around a place tells, and what bounds it.
   [[nodiscard]] Space look(const SphereMeshTree& tree, const Eigen::Vector3d& x, NearestSphere& nearest) const noexcept;
-  [[nodiscard]] Space explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] Space explore(const SphereMeshTree& tree, const Eigen::Vector3d& point) const;
 
   void classify(const SphereMeshTree& tree, const std::array<int, 3>& first, int size, const Task& task);
   void flood(const SphereMeshTree& tree, const Task& task);

@@ -64,7 +64,7 @@ struct OuterSurface::State {
   }
 
   /// Whether a point of a patch, with its outward normal, lies on the outer surface.
-  [[nodiscard]] bool outer(const Vector3d& point, const Vector3d& normal) const noexcept {
+  [[nodiscard]] bool outer(const Vector3d& point, const Vector3d& normal) const {
     if (tree.inside(point, depth)) return false;
     return !cavities.faces(tree, point, normal);
   }
@@ -162,13 +162,13 @@ struct OuterSurface::State {
       return static_cast<float>(there * there) * (1 + Bvh::kSlack);
     }
   };
-  [[nodiscard]] double distance_within(const Vector3d& point) const noexcept;
+  [[nodiscard]] double distance_within(const Vector3d& point) const;
   void look_at_creases(const Vector3d& point, Least& least) const noexcept;
-  void look_at_pieces(const Vector3d& point, Least& least) const noexcept;
-  void trace_creases(const Vector3d& point, Least& least) const noexcept;
+  void look_at_pieces(const Vector3d& point, Least& least) const;
+  void trace_creases(const Vector3d& point, Least& least) const;
 };
 
-double OuterSurface::State::distance_within(const Vector3d& point) const noexcept {
+double OuterSurface::State::distance_within(const Vector3d& point) const {
   Least least{frame.to_unit(point), frame.scale};
   if (!traces_when_asked) {
     look_at_creases(point, least);
@@ -190,7 +190,7 @@ void OuterSurface::State::look_at_creases(const Vector3d& point, Least& least) c
       });
 }
 
-void OuterSurface::State::look_at_pieces(const Vector3d& point, Least& least) const noexcept {
+void OuterSurface::State::look_at_pieces(const Vector3d& point, Least& least) const {
   const auto offer = [&](const Vector3d& normal, double distance) {
     if (distance < least.distance && outer(point + distance * normal, normal)) least.distance = distance;
   };
@@ -225,7 +225,7 @@ void OuterSurface::State::look_at_pieces(const Vector3d& point, Least& least) co
 }
 
 /// The creases that come nearer than the least so far, patch by patch from the nearest on.
-void OuterSurface::State::trace_creases(const Vector3d& point, Least& least) const noexcept {
+void OuterSurface::State::trace_creases(const Vector3d& point, Least& least) const {
   std::vector<std::uint32_t> known;  // spheres that were looked at: each is on several edges
   const auto trace = [&](const Patch& patch) {
     if (patch.kind == Patch::Kind::Sphere) {
@@ -271,7 +271,7 @@ OuterSurface::~OuterSurface() = default;
 OuterSurface::OuterSurface(OuterSurface&&) noexcept = default;
 OuterSurface& OuterSurface::operator=(OuterSurface&&) noexcept = default;
 
-double OuterSurface::signed_distance(const Vector3d& point) const noexcept {
+double OuterSurface::signed_distance(const Vector3d& point) const {
   const State& s = *state_;
   const double distance = s.tree.signed_distance(point);
   if (distance >= 0 && !s.cavities.holds(s.tree, point)) return distance;

@@ -79,7 +79,7 @@ bool SphereMeshTree::inside(const Vector3d& point, double depth) const noexcept 
   return state_->find(point, -depth).distance < -depth;
 }
 
-std::optional<SphereMeshHit> SphereMeshTree::intersect(const Ray& ray) const noexcept {
+std::optional<SphereMeshHit> SphereMeshTree::intersect(const Ray& ray) const {
   const State& s = *state_;
   const UnitRay unit(s.frame, ray.origin, ray.direction);
   struct Part {

@@ -4,6 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <armature/sdk/mesh/measures.h>
+
+#include "sdk/mesh/lengths.h"
 
 namespace armature::sdk {
 namespace {
@@ -46,11 +49,14 @@ struct Moments {
 double share_of_staves(const Mesh& mesh, std::span<const std::uint32_t> regions) {
   std::vector<std::uint32_t> places(mesh.positions.size(), UINT32_MAX);  // by region
   std::vector<Moments> moments;
+  const double unit = unit_near(bounding_box_diagonal(mesh));
+  // From a point of the mesh, or digits would cancel.
+  const auto place_of = [&](VertexId v) -> Vector3d { return (mesh.position(v) - mesh.positions[0]) / unit; };
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const FaceId face(t);
     const Vector3d& a = mesh.corner(face, 0);
-    const Vector3d cross = (mesh.corner(face, 1) - a).cross(mesh.corner(face, 2) - a);
+    const Vector3d cross = ((mesh.corner(face, 1) - a) / unit).cross((mesh.corner(face, 2) - a) / unit);
     const double size = cross.norm();
     if (!(size > 0)) continue;
     area += size;
@@ -60,8 +66,7 @@ double share_of_staves(const Mesh& mesh, std::span<const std::uint32_t> regions)
         place = static_cast<std::uint32_t>(moments.size());
         moments.emplace_back();
       }
-      // From a point of the mesh, or digits would cancel.
-      moments[place].add(size / 3, mesh.position(corner) - mesh.positions[0], cross / size);
+      moments[place].add(size / 3, place_of(corner), cross / size);
     }
   }
   double staves = 0;

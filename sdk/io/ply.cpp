@@ -16,6 +16,12 @@
 namespace armature::sdk {
 namespace {
 
+/// What a PLY file is asked for; of what is not, nothing is looked at.
+enum class PlyAsk : std::uint8_t {
+  Surface,  ///< faces, or points with normals and areas
+  Spheres,  ///< radii, edges and faces
+};
+
 /// What a PLY file tells of shapes.
 struct PlyContent {
   Polygons polygons = {};
@@ -59,10 +65,14 @@ std::string shown(double value) {
                                                               : std::to_string(value);
 }
 
+std::string shown(const Eigen::Vector3d& v) {
+  return shown(v.x()) + " " + shown(v.y()) + " " + shown(v.z());
+}
+
 class PlyParser {
  public:
-  PlyParser(std::string_view bytes, std::string_view name, const PlyHeader& header, const Task& task)
-      : bytes_(bytes), header_(header), rows_(bytes, name, header), pace_(task) {
+  PlyParser(std::string_view bytes, std::string_view name, const PlyHeader& header, PlyAsk ask, const Task& task)
+      : bytes_(bytes), header_(header), ask_(ask), rows_(bytes, name, header), pace_(task) {
     for (const PlyElement& element : header.elements)
       if (element.name == "vertex")
         vertices_ = element.count;
@@ -71,11 +81,14 @@ class PlyParser {
   }
 
   Expected<PlyContent> parse() {
+    for (const PlyElement& element : header_.elements)
+      if (element.name == "tristrips" && element.count > 0)
+        return fail(std::string(name()) + ": holds triangle strips; convert them to faces");
     for (const PlyElement& element : header_.elements) {
-      auto read = element.name == "vertex" ? vertices(element)
-                  : element.name == "face" ? faces(element)
-                  : element.name == "edge" ? edges(element)
-                                           : skip(element);
+      auto read = element.name == "vertex"                            ? vertices(element)
+                  : element.name == "face"                            ? faces(element)
+                  : element.name == "edge" && ask_ == PlyAsk::Spheres ? edges(element)
+                                                                      : skip(element);
       if (!read) return tl::unexpected(read.error());
     }
     if (auto read = rows_.end(); !read) return tl::unexpected(read.error());
@@ -89,10 +102,10 @@ class PlyParser {
     const auto z = element.find({"z"});
     if (!x || !y || !z) return fail(std::string(name()) + ": expected properties x, y and z of element vertex");
     if (!content_.polygons.positions.empty()) return fail(std::string(name()) + ": expected one element vertex");
-    const auto radius = element.find({"radius"});
+    const auto radius = ask_ == PlyAsk::Spheres ? element.find({"radius"}) : std::nullopt;
     const auto colour = find_colour(element);
     // Of what has faces nobody asks for normals.
-    const auto normal = faces_ == 0 ? find_normal(element) : std::nullopt;
+    const auto normal = ask_ == PlyAsk::Surface && faces_ == 0 ? find_normal(element) : std::nullopt;
     const auto area = normal ? element.find({"area"}) : std::nullopt;
     if (auto read = rows_.begin(element); !read) return read;
     content_.polygons.positions.reserve(element.count);
@@ -105,8 +118,7 @@ class PlyParser {
       if (colour) content_.polygons.vertex_colours.push_back(colour->of(rows_));
       if (normal) {
         Eigen::Vector3d n(rows_.value((*normal)[0]), rows_.value((*normal)[1]), rows_.value((*normal)[2]));
-        const std::string found = shown(n.x()) + " " + shown(n.y()) + " " + shown(n.z());
-        if (const auto wrong = made_unit(n); !wrong.empty()) return rows_.expected(wrong, found);
+        if (const auto wrong = made_unit(n); !wrong.empty()) return rows_.expected(wrong, shown(n));
         content_.polygons.normals.push_back(n);
       }
       if (area) {
@@ -188,28 +200,29 @@ class PlyParser {
 
   std::string_view bytes_;
   const PlyHeader& header_;
+  PlyAsk ask_;
   PlyRows rows_;
   ReadingPace pace_;
   PlyContent content_;
   std::size_t vertices_ = 0, faces_ = 0;
 };
 
-Expected<PlyContent> parse_content(std::string_view bytes, std::string_view name, const Task& task) {
+Expected<PlyContent> parse_content(std::string_view bytes, std::string_view name, PlyAsk ask, const Task& task) {
   const auto header = parse_ply_header(bytes, name);
   if (!header) return tl::unexpected(header.error());
-  return PlyParser(bytes, name, *header, task).parse();
+  return PlyParser(bytes, name, *header, ask, task).parse();
 }
 
 }  // namespace
 
 Expected<MeshOrPoints> parse_ply(std::string_view bytes, std::string_view name, const Task& task) {
-  auto content = parse_content(bytes, name, task);
+  auto content = parse_content(bytes, name, PlyAsk::Surface, task);
   if (!content) return tl::unexpected(content.error());
   return mesh_or_points(std::move(content->polygons), name, task);
 }
 
 Expected<SphereMesh> parse_sphere_ply(std::string_view bytes, std::string_view name, const Task& task) {
-  auto content = parse_content(bytes, name, task);
+  auto content = parse_content(bytes, name, PlyAsk::Spheres, task);
   if (!content) return tl::unexpected(content.error());
   const Polygons& polygons = content->polygons;
   if (polygons.positions.empty()) return fail(std::string(name) + ": expected at least one sphere; it has none");

@@ -8,6 +8,7 @@
 #include <armature/sdk/mesh/triangulate.h>
 
 #include "sdk/io/text_scanner.h"
+#include "sdk/mesh/lengths.h"
 
 namespace armature::sdk {
 
@@ -49,7 +50,7 @@ Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, 
 std::string_view made_unit(Eigen::Vector3d& normal) noexcept {
   if (!normal.allFinite()) return "a normal of finite numbers";
   if (normal.isZero(0)) return "a normal that points outward; estimate it anew or leave the point out";
-  normal.stableNormalize();
+  normal = direction_of(normal);
   return {};
 }
 

@@ -37,8 +37,8 @@ struct Polygons {
 /// The same, or points where there are positions and no polygon; with normals where all have one, else without any.
 [[nodiscard]] Expected<MeshOrPoints> mesh_or_points(Polygons polygons, std::string_view name, const Task& task);
 
-/// What is wrong with a normal of a file, and what to do; empty if it has a direction. Else it comes out of unit
-/// length.
+/// What is wrong with a normal of a file, and what to do, and leaves it as it is; empty if it has a direction, and it
+/// comes out of unit length.
 [[nodiscard]] std::string_view made_unit(Eigen::Vector3d& normal) noexcept;
 
 /// A colour out of numbers of [0, 1].

@@ -3,17 +3,12 @@
 
 #include <armature/sdk/mesh/measures.h>
 
+#include "sdk/mesh/lengths.h"
+
 namespace armature::sdk {
 namespace {
 
 using Eigen::Vector3d;
-
-/// Unit length, or zero for what has no direction. Survives lengths whose square does not.
-Vector3d direction_of(const Vector3d& v) {
-  const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0) || !std::isfinite(largest)) return Vector3d::Zero();
-  return (v / largest).normalized();
-}
 
 /// The directions of a face's sides, that from corner k to corner k + 1 at place k.
 std::array<Vector3d, 3> side_directions(const Mesh& mesh, FaceId face) {

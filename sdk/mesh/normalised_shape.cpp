@@ -6,7 +6,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <armature/sdk/mesh/measures.h>
 
+#include "sdk/mesh/lengths.h"
 #include "sdk/mesh/nesting.h"
 
 namespace armature::sdk {
@@ -103,12 +105,13 @@ void turn_outward(NormalisedShape& shape) {
 /// The rotation to the principal axes of the surface's second moments. Which way they point does not matter: the
 /// directions that depend on the frame are the same in all 48 symmetries of a cube.
 Eigen::Matrix3d own_axes(const Mesh& mesh, const Eigen::Vector3d& origin) {
+  const double unit = unit_near(bounding_box_diagonal(mesh));
   double area = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (const auto& triangle : mesh.triangles) {
     std::array<Eigen::Vector3d, 3> p;
-    for (std::size_t k = 0; k < 3; ++k) p[k] = mesh.position(triangle[k]) - origin;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = (mesh.position(triangle[k]) - origin) / unit;
     const double a = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
     const Eigen::Vector3d sum = p[0] + p[1] + p[2];
     area += a;
@@ -137,8 +140,11 @@ NormalisedShape NormalisedShape::of(const Mesh& mesh, ShapeFrame frame, const Po
   Eigen::AlignedBox3d box;
   for (const auto& position : mesh.positions) box.extend(shape.turn * position);
   if (!mesh.positions.empty()) shape.origin = shape.turn.transpose() * (box.min() + 0.5 * (box.max() - box.min()));
-  const double diagonal = mesh.positions.empty() ? 0 : (box.max() - box.min()).norm();
-  if (diagonal > 0 && std::isfinite(1 / diagonal)) shape.scale = diagonal;
+  double extent = mesh.positions.empty() ? 0 : length_of(box.max() - box.min());
+  // Points at one place are as large as their area.
+  if (extent == 0 && points != nullptr)
+    extent = std::sqrt(std::accumulate(points->areas.begin(), points->areas.end(), 0.0));
+  if (extent > 0 && std::isfinite(1 / extent)) shape.scale = extent;
   shape.positions.reserve(mesh.positions.size());
   for (const auto& position : mesh.positions) shape.positions.push_back(shape.from_model(position));
   shape.triangles.reserve(mesh.triangles.size());

@@ -18,14 +18,14 @@ enum class ShapeFrame : std::uint8_t {
 };
 
 /// A mesh, or points and what joins them, turned, moved and scaled to a bounding box about the origin with a diagonal
-/// of 1 (unscaled if it has none), its triangles and normals turned outward.
+/// of 1 (if it has none: to an area of 1, or unscaled), its triangles and normals turned outward.
 struct NormalisedShape {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Eigen::Vector3d> normals;                ///< of points, by position; empty where it is a mesh
   std::vector<double> areas;                           ///< likewise, in units of this shape
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();    ///< the bounding box's middle, in the model's coordinates
-  double scale = 1;                                    ///< the diagonal
+  double scale = 1;                                    ///< the diagonal, or the root of the area
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< shape_from_model, a rotation
 
   /// The places of a triangle's corners.

@@ -26,12 +26,13 @@ Expected<void> validate(const PointSet& points) {
     return fail("colours: expected one a point, " + std::to_string(count) + ", or none; found " +
                 std::to_string(points.colours.size()));
   for (std::size_t i = 0; i < count; ++i) {
-    const std::string at = "point " + std::to_string(i) + ": ";
-    if (!points.positions[i].allFinite()) return fail(at + "expected a finite position");
-    if (!points.normals[i].allFinite())
-      return fail(at + "expected a finite normal; a normal that is not known is 0 0 0");
+    const auto wrong = [i](const char* expected) {
+      return fail("point " + std::to_string(i) + ": expected " + expected);
+    };
+    if (!points.positions[i].allFinite()) return wrong("a finite position");
+    if (!points.normals[i].allFinite()) return wrong("a finite normal; a normal that is not known is 0 0 0");
     if (!points.areas.empty() && !(points.areas[i] >= 0 && std::isfinite(points.areas[i])))
-      return fail(at + "expected an area that is finite and not negative");
+      return wrong("an area that is finite and not negative");
   }
   return {};
 }

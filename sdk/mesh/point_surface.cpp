@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
 
+#include "sdk/mesh/lengths.h"
 #include "sdk/mesh/nearest_point.h"
 
 namespace armature::sdk {
@@ -31,6 +33,8 @@ constexpr double kOtherSide = -0.5;     // cosine between normals
 constexpr double kSteep = 0.3;          // how much of a way must lie in the tangent plane
 constexpr std::size_t kBlock = 1024;    // points a task
 constexpr std::size_t kDiscSides = 12;  // of the disc that cells are cut from
+constexpr double kLeastArea = 1e-12;    // of the square of a diagonal, of all points together
+constexpr double kMostArea = 1e12;      // likewise
 
 /// A point's cell in its tangent plane.
 struct Cell {
@@ -228,6 +232,16 @@ class Joiner {
   std::vector<Cell> cells_;
 };
 
+/// Whether the areas of points that have normals can be theirs. Where all are at one place, any areas can.
+bool are_areas_of(const PointSet& points, double diagonal) {
+  double sum = 0;
+  for (std::size_t i = 0; i < points.areas.size(); ++i)
+    if (!points.normals[i].isZero(0)) sum += points.areas[i];
+  if (diagonal == 0) return std::isfinite(sum);
+  const double share = sum / (diagonal * diagonal);
+  return share >= kLeastArea && share <= kMostArea;
+}
+
 /// For each point the first at the same place that has a normal: itself, if it has one and is that.
 std::vector<std::uint32_t> firsts_at_places(const PointSet& points) {
   const auto& p = points.positions;
@@ -249,8 +263,7 @@ Expected<PointSurface> surface_of(PointSet points, const Task& task) {
   if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
   const std::size_t count = points.positions.size();
   if (count == 0) return fail("expected points, found none");
-  for (Vector3d& n : points.normals)
-    if (!n.isZero(0)) n.stableNormalize();
+  for (Vector3d& n : points.normals) n = direction_of(n);
   task.report("joining points", 0);
   PointSurface surface{.points = std::move(points), .mesh = {}};
   surface.mesh.positions = surface.points.positions;
@@ -265,9 +278,15 @@ Expected<PointSurface> surface_of(PointSet points, const Task& task) {
   if (names.empty()) return fail("expected points with normals; all normals are 0 0 0");
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : surface.points.positions) box.extend(p);
-  const double diagonal = box.diagonal().norm();
+  const double diagonal = length_of(box.diagonal());
   if (!std::isfinite(diagonal * diagonal))
     return fail("expected points that lie closer together; the area of their box is beyond all numbers");
+  if (diagonal > 0 && !(kLeastArea * diagonal * diagonal > std::numeric_limits<double>::min()))
+    return fail("expected points that lie farther apart; the area of their box is below all numbers");
+  if (!surface.points.areas.empty() && !are_areas_of(surface.points, diagonal))
+    return fail(
+        "areas: expected what fits the points' places; all together they are 0, or more than 1e12 times smaller or "
+        "larger than the square of the diagonal of the points' box");
   const double unit = diagonal > 0 ? diagonal : 1;
   std::vector<Vector3d> places;
   for (const auto name : names) places.emplace_back((surface.points.positions[name] - box.min()) / unit);

@@ -22,7 +22,8 @@ struct PointSurface {
 /// finds the other, and triangles are those that follow one another about one. The area of the cell is the point's
 /// unless `points` has areas. Parts that touch back to back are joined by the shortest edge through the solid.
 /// Points at one place are joined and share a cell; points without a normal are joined to nothing and have no area.
-/// Time n log n; the same on any number of threads. Refused: what `validate()` refuses, no points, no normals.
+/// Time n log n; the same on any number of threads. Refused: what `validate()` refuses, no points, no normals,
+/// a diagonal whose square is no number to reckon with, and areas that are together 0 or 1e12 times off its square.
 [[nodiscard]] Expected<PointSurface> surface_of(PointSet points, const Task& task = {});
 
 }  // namespace armature::sdk

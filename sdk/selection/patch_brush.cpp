@@ -235,6 +235,7 @@ Expected<std::vector<VertexId>> select_patch(const PointSet& points, const Patch
   if (points.positions.empty()) return fail("expected points to select from, found none");
   const NearestPoint tree(points.positions);
   std::vector<std::uint8_t> in(points.positions.size(), 0);
+  bool drawn_on = false;  // by a stroke over the patch
   const auto done = draw_all(drawn, [&](const auto& stroke, const std::string& name, Brush kind) -> Expected<void> {
     for (std::size_t k = 0; k < stroke.size(); ++k) {
       if (!stroke[k].allFinite()) return fail(name + "[" + std::to_string(k) + "]: expected finite coordinates");
@@ -242,8 +243,10 @@ Expected<std::vector<VertexId>> select_patch(const PointSet& points, const Patch
       for (std::size_t v = 0; v < in.size(); ++v)
         if (squared_distance(points.positions[v], stroke[k == 0 ? 0 : k - 1], stroke[k]) <=
                 drawn.radius * drawn.radius &&
-            points.normals[v].dot(facing) >= 0)
+            points.normals[v].dot(facing) >= 0) {
           in[v] = kind == Brush::Patch ? 1 : 0;
+          drawn_on = drawn_on || kind == Brush::Patch;
+        }
     }
     return {};
   });
@@ -251,7 +254,8 @@ Expected<std::vector<VertexId>> select_patch(const PointSet& points, const Patch
   std::vector<VertexId> patch;
   for (std::size_t v = 0; v < in.size(); ++v)
     if (in[v] != 0) patch.emplace_back(v);
-  if (patch.empty()) return fail("strokes: no point lies within the radius of one; draw on the points");
+  if (!drawn_on) return fail("strokes: no point lies within the radius of one; draw on the points");
+  if (patch.empty()) return fail(kNothingLeft);
   return patch;
 }
 

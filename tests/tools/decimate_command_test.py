@@ -110,12 +110,31 @@ class Decimate(unittest.TestCase):
         for command in (["decimate", scan, self.here / "c.off", "--target", 5, "--kind", "mesh"],
                         ["mesh", "info", scan],
                         ["spheremesh", "measure", scan, out],
-                        ["spheremesh", "build", scan, out, "--refine"]):
+                        ["spheremesh", "build", scan, out, "--refine"],
+                        ["spheremesh", "build", scan, out, "--importance", 1],
+                        ["spheremesh", "build", scan, out, "--paper"]):
             result = run(*command)
             self.assertEqual(result.returncode, 1, result.stderr)
-            self.assertRegex(result.stderr, "scan.obj: has [0-9]+ points and no faces; ")
+            self.assertRegex(result.stderr, "scan.obj: has [0-9]+ points and no faces(; | to tell curvature by; )")
             self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertIn("add --importance 0 to --paper", result.stderr)
         self.assertFalse(out.exists())
+        self.assertEqual(run("spheremesh", "build", scan, out, "--paper", "--importance", 0).returncode, 0)
+
+    def test_areas_that_cannot_be_are_refused(self):
+        scan = self.here / "scan.ply"
+        names = ("x", "y", "z", "nx", "ny", "nz", "area")
+        for area in (0, "1e-320", "1e34", "1e80"):
+            rows = [f"{x} {y} {z} {x} {y} {z} {area}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+            scan.write_text("ply\nformat ascii 1.0\nelement vertex 8\n" +
+                            "".join(f"property double {name}\n" for name in names) + "end_header\n" +
+                            "\n".join(rows) + "\n")
+            for command in ("decimate", scan, self.here / "c.ma", "--target", 3), \
+                           ("spheremesh", "build", scan, self.here / "c.ma", "--spheres", 3):
+                result = run(*command)
+                self.assertEqual(result.returncode, 1, area)
+                self.assertIn("scan.ply: areas: expected what fits the points' places", result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
 
     def test_people_are_told_what_came_out(self):
         result = run("decimate", self.mesh, self.here / "c.ma", "--target", 40)

@@ -137,7 +137,22 @@ class Edit(unittest.TestCase):
                      self.file("far.json", '{"tool":"patch","strokes":[[[9,9,9]]],"radius":0.1}'), *paint)
         self.refused(1, "points are written as", scan, self.here / "out.off", "--gesture", self.gesture, *paint)
         self.refused(1, "expected a name that ends in .ply", self.mesh, self.here / "out.xyz", "--gesture", self.gesture, *paint)
+        self.refused(1, "out.xyz: XYZ keeps no colours", scan, self.here / "out.xyz", "--gesture", self.gesture, *paint)
         self.assertFalse(out.exists())
+
+    def test_amounts_that_leave_nothing_finite_are_refused(self):
+        scan = self.points(self.here / "scan.ply")
+        out = self.here / "out.ply"
+        for amount in (1e200, 1e300, 1e308):
+            for shape in (scan, self.mesh):
+                self.refused(1, f"--amount: {amount} moves vertices beyond all numbers", shape, out, "--gesture",
+                             self.gesture, "--op", "displace", "--amount", amount)
+            for op in ("pull", "displace"):
+                self.refused(1, "--amount", self.mesh, out, "--gesture", self.gesture, "--op", op, "--amount", amount,
+                             "--expand", 2)
+        self.refused(1, "--amount", self.mesh, out, "--gesture", self.gesture, "--op", "sharpen", "--amount", 1e308)
+        self.assertFalse(out.exists())
+        self.assertEqual(self.edit("out.ply", "--op", "displace", "--amount", 1e100)["moved"] > 0, True)
 
     def test_more_likes_than_there_are_is_no_mistake(self):
         told = self.edit("out.off", "--op", "displace", "--amount", 0.01, "--expand", 100000)

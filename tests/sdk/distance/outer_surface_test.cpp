@@ -5,6 +5,8 @@
 #include <armature/sdk/distance/outer_surface.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/count_allocations.h"
+
 namespace armature::sdk {
 namespace {
 
@@ -233,6 +235,26 @@ TEST(OuterSurface, IsNotBuiltOnceItIsCancelled) {
   EXPECT_EQ(surface.error().kind, ErrorKind::Cancelled);
   EXPECT_EQ(told, 1U) << "of two blocks";
   EXPECT_GT(OuterSurface::build(shape, {.cavity_grid = 32}, {})->creases().size(), 400U);
+}
+
+TEST(OuterSurface, WithoutMemoryQueriesThrowWhatCanBeCaught) {
+  const SphereMesh shape = balls({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}});
+  const OuterSurface traced(shape, {.creases_when_asked = true});
+  const Vector3d between(0.5, 0.1, 0);
+  const auto without_memory = [](const auto& query) {
+    test::out_of_memory = true;
+    try {
+      query();
+    } catch (...) {
+      test::out_of_memory = false;
+      throw;
+    }
+    test::out_of_memory = false;
+  };
+  EXPECT_THROW(without_memory([&] { (void)traced.signed_distance(between); }), std::bad_alloc);
+  EXPECT_THROW(without_memory([&] { (void)traced.tree().intersect({between, Vector3d::UnitX()}); }), std::bad_alloc);
+  // What is noexcept takes none.
+  without_memory([&] { EXPECT_LT(traced.tree().nearest(between).distance, 0); });
 }
 
 TEST(OuterSurface, WithoutSpheresThereIsNothing) {

@@ -174,6 +174,25 @@ TEST(Build, IsTheSameAtEveryScaleAndPlace) {
   }
 }
 
+TEST(Build, IsTheSameBitByBitAsFarAsNumbersGo) {
+  // Powers of two, which round nothing; of a tube, so that its axes and its staves count.
+  const Mesh mesh = tubes::tube(12, 1, 0, 24, 80);
+  const auto expected = hierarchy_of(mesh).level(20);
+  ASSERT_TRUE(expected);
+  for (const int power : {-1000, -560, -260, 260, 560, 1000}) {
+    Mesh scaled = mesh;
+    for (auto& p : scaled.positions) p *= std::ldexp(1.0, power);
+    const auto level = hierarchy_of(scaled).level(20);
+    ASSERT_TRUE(level);
+    EXPECT_EQ(level->triangles, expected->triangles);
+    EXPECT_EQ(level->edges, expected->edges);
+    for (std::size_t k = 0; k < level->spheres.size(); ++k) {
+      EXPECT_EQ(level->spheres[k].centre, std::ldexp(1.0, power) * expected->spheres[k].centre) << power;
+      EXPECT_EQ(level->spheres[k].radius, std::ldexp(1.0, power) * expected->spheres[k].radius) << power;
+    }
+  }
+}
+
 /// Two parallel square plates of cells x cells that face away from each other: a thin solid without rim.
 Mesh plates(std::size_t cells, double thickness) {
   Mesh mesh;
@@ -498,6 +517,13 @@ TEST(BuildOfPoints, TakesWhateverPointsThereAre) {
   for (const std::size_t count : {1U, 5U}) {
     PointSet few{.positions = {count, Eigen::Vector3d(1, 2, 3)}, .normals = {count, Eigen::Vector3d(0, 0, 1)}};
     EXPECT_TRUE(build_hierarchy(few));
+    // Areas of any size: there is nothing to hold them against.
+    for (const double area : {0.0, 5e-324, 1.0, 1e307}) {
+      few.areas.assign(count, area);
+      EXPECT_TRUE(build_hierarchy(few)) << area;
+    }
+    few.areas.assign(count, 1.7e308);
+    EXPECT_EQ(build_hierarchy(few).has_value(), count == 1);
   }
 }
 

@@ -167,6 +167,29 @@ TEST(Ply, ReadsLinesThatHoldMoreThanTheHeaderSaysButNotTheirColours) {
   EXPECT_TRUE(mesh->face_colours.empty());
 }
 
+TEST(Ply, RadiiAndEdgesOfMeshesAreNobodysBusiness) {
+  EXPECT_EQ(refusal("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float radius\nelement face 1\nproperty list uchar int vertex_indices\n"
+                    "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+                    "0 0 0 -1\n1 0 0 nan\n0 1 0 1\n3 0 1 2\n0 7\n"),
+            "accepted");
+}
+
+TEST(Ply, TriangleStripsAreRefusedNotDropped) {
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n";
+  const std::string strips = "property list int int vertex_indices\nend_header\n";
+  const std::string three = "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
+  const auto with = [&](const std::string& bytes) {
+    const auto shape = parse_mesh_or_points(bytes, MeshFormat::Ply, "shape");
+    return shape ? "accepted" : shape.error().message;
+  };
+  EXPECT_EQ(with(vertices + "element tristrips 1\n" + strips + three + "4 0 1 2 -1\n"),
+            "shape: holds triangle strips; convert them to faces");
+  EXPECT_EQ(with(vertices + "element tristrips 0\n" + strips + three), "accepted");
+}
+
 TEST(Ply, AHeaderThatClaimsBillionsOfElementsIsRefusedAtOnce) {
   for (const char* encoding : {"ascii", "binary_little_endian"}) {
     const std::string text = std::string("ply\nformat ") + encoding +

@@ -96,6 +96,26 @@ TEST(PointFiles, OfEveryKindComeBackAsTheyWere) {
   EXPECT_FALSE(encode_points(points, MeshFormat::Ply));
 }
 
+TEST(PointFiles, NormalsOfAnyLengthComeOutOfUnitLength) {
+  const auto normal_of = [](const std::string& three, MeshFormat format) {
+    const std::string text =
+        format == MeshFormat::Xyz ? "0 0 0 " + three + "\n"
+        : format == MeshFormat::Obj
+            ? "v 0 0 0\nvn " + three + "\n"
+            : "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+              "property double nx\nproperty double ny\nproperty double nz\nend_header\n0 0 0 " +
+                  three + "\n";
+    return points_in(text, format).normals.at(0);
+  };
+  for (const MeshFormat format : {MeshFormat::Xyz, MeshFormat::Obj, MeshFormat::Ply}) {
+    for (const char* length : {"1.7e308", "1", "1e-200", "5e-324"}) {
+      const std::string three = std::string(length) + " -" + length + " " + length;
+      EXPECT_LT((normal_of(three, format) - Eigen::Vector3d(1, -1, 1) / std::sqrt(3)).norm(), 1e-15) << length;
+    }
+    EXPECT_EQ(normal_of("0 0 5e-324", format), Eigen::Vector3d(0, 0, 1));
+  }
+}
+
 TEST(PointFiles, ThatAreWrongAreRefusedWithThePlaceAndWhatToDo) {
   const auto xyz = [](const char* text) { return message_of(text, MeshFormat::Xyz); };
   EXPECT_EQ(xyz("0 0 0 0 0 1\n1 2 3\n"),

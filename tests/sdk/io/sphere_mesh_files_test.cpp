@@ -142,6 +142,18 @@ TEST(SpherePly, ReadsWhatOtherProgramsWrite) {
   EXPECT_EQ(shape->triangles.size(), 1U);
 }
 
+TEST(SpherePly, NormalsAndAreasOfSpheresAreNobodysBusiness) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nproperty float area\nproperty float radius\n"
+      "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+      "0 0 0 0 0 0 -1 1\n3 0 0 0 nan 0 nan 2\n0 1\n";
+  const auto shape = parse_sphere_mesh(text, SphereMeshFormat::Ply, "shape.ply");
+  ASSERT_TRUE(shape) << shape.error().message;
+  EXPECT_EQ(shape->spheres[1].radius, 2);
+  EXPECT_EQ(shape->edges.size(), 1U);
+}
+
 TEST(SpherePly, RefusesWhatIsNoSphereMesh) {
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";

@@ -165,7 +165,47 @@ TEST(PointSurface, RefusesWhatItCannotJoin) {
   EXPECT_FALSE(surface_of(points));
   points = sheet(3, 0, 1);
   points.positions[4].x() = 1e300;
+  EXPECT_EQ(surface_of(points).error().message,
+            "expected points that lie closer together; the area of their box is beyond all numbers");
+  for (const double scale : {1e-160, 1e-300}) {
+    points = sheet(3, 0, 1);
+    for (auto& p : points.positions) p *= scale;
+    EXPECT_EQ(surface_of(points).error().message,
+              "expected points that lie farther apart; the area of their box is below all numbers");
+  }
+}
+
+TEST(PointSurface, RefusesAreasThatCannotBeThoseOfPointsSoFarApart) {
+  PointSet points = sheet(10, 0, 1);
+  for (const double area : {0.0, 1e-320, 1e-20, 1e20, 1e80, 1e308}) {
+    points.areas.assign(100, area);
+    const auto surface = surface_of(points);
+    ASSERT_FALSE(surface) << area;
+    EXPECT_EQ(surface.error().message,
+              "areas: expected what fits the points' places; all together they are 0, or more than 1e12 times smaller "
+              "or larger than the square of the diagonal of the points' box");
+  }
+  for (const double area : {1e-13, 1e-2, 1e10}) {
+    points.areas.assign(100, area);
+    EXPECT_TRUE(surface_of(points)) << area;
+  }
+  // Those without a normal count for nothing.
+  points.normals[0].setZero();
+  points.areas.assign(100, 0);
+  points.areas[0] = 1;
   EXPECT_FALSE(surface_of(points));
+}
+
+TEST(PointSurface, JoinsPointsWithNormalsOfAnyLength) {
+  const PointSet points = sheet(10, 0, 1);
+  PointSet longer = points;
+  for (auto& n : longer.normals) n = Eigen::Vector3d(1e308, 1e308, 1.7e308);
+  for (const auto& n : joined(longer).points.normals) EXPECT_NEAR(n.norm(), 1, 1e-15);
+  for (const double length : {1e308, 5e-324}) {
+    for (std::size_t i = 0; i < points.normals.size(); ++i) longer.normals[i] = length * points.normals[i];
+    EXPECT_EQ(joined(longer).points.normals, joined(points).points.normals);
+    EXPECT_EQ(joined(longer).mesh.triangles, joined(points).mesh.triangles);
+  }
 }
 
 TEST(PointSurface, TakesPointsAtOnePlaceAndFew) {

@@ -152,7 +152,11 @@ TEST(PatchBrush, SelectsPointsOnItsOwnSideOfASheet) {
       points, {.strokes = {{{0.2, 0.5, 0.01}, {0.8, 0.5, 0.01}}}, .radius = 0.15, .background = {{{0.8, 0.5, 0.01}}}});
   ASSERT_TRUE(less);
   EXPECT_LT(less->size(), patch->size());
-  EXPECT_FALSE(select_patch(points, {.strokes = {{{9, 9, 9}}}, .radius = 0.1}));
+  const auto message_of = [&](const PatchStrokes& drawn) { return select_patch(points, drawn).error().message; };
+  EXPECT_EQ(message_of({.strokes = {{{9, 9, 9}}}, .radius = 0.1}),
+            "strokes: no point lies within the radius of one; draw on the points");
+  EXPECT_EQ(message_of({.strokes = {{{0.5, 0.5, 0.01}}}, .radius = 0.15, .background = {{{0.5, 0.5, 0.01}}}}),
+            "background: it covers all strokes; leave some of the patch");
   EXPECT_FALSE(select_patch(points, {.strokes = {{{0, 0, 0}}}, .radius = 0}));
   EXPECT_FALSE(select_patch(points, {.strokes = {{}}, .radius = 1}));
   EXPECT_FALSE(select_patch(PointSet{}, {.strokes = {{{0, 0, 0}}}, .radius = 1}));

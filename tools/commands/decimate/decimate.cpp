@@ -127,7 +127,7 @@ Expected<void> run_decimate(Arguments arguments) {
 void add_decimate(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("decimate", "Simplify a mesh, or points with normals, like regions together");
-  command->add_option("IN", arguments->in, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
+  command->add_option("IN", arguments->in, "a triangle mesh, or points with normals (PLY, OBJ, NOFF, XYZ)")->required();
   command->add_option("OUT", arguments->out, "spheres as .ma, .ply or .urdf; with --kind mesh: OBJ, OFF or PLY")
       ->required();
   command->add_option("--target", arguments->target, "how many spheres, or vertices, to reach")

@@ -245,23 +245,36 @@ struct Took {
   std::size_t matches = 0;
 };
 
-Expected<void> tell(const Arguments& arguments, std::span<const Eigen::Vector3d> before,
-                    std::span<const Eigen::Vector3d> after, const Took& took) {
-  std::size_t moved = 0;
+/// What an edit moved, and how far.
+struct Moved {
+  std::size_t vertices = 0;
   double farthest = 0;
+};
+
+/// Refuses what went so far that squares of its way are no numbers.
+Expected<Moved> moved(const Arguments& arguments, std::span<const Eigen::Vector3d> before,
+                      std::span<const Eigen::Vector3d> after) {
+  Moved result;
   for (std::size_t v = 0; v < before.size(); ++v) {
     const double way = (after[v] - before[v]).norm();
-    moved += way > 0 ? 1U : 0U;
-    farthest = std::max(farthest, way);
+    if (!std::isfinite(way))
+      return fail(
+          fmt::format("--amount: {} moves vertices beyond all numbers; expected one nearer 0", arguments.amount));
+    result.vertices += way > 0 ? 1U : 0U;
+    result.farthest = std::max(result.farthest, way);
   }
+  return result;
+}
+
+Expected<void> tell(const Arguments& arguments, std::size_t vertices, const Moved& moved, const Took& took) {
   if (arguments.json)
     return write_json_line(stdout, {{"matches", took.matches},
-                                    {"moved", moved},
-                                    {"farthest", number(farthest)},
+                                    {"moved", moved.vertices},
+                                    {"farthest", number(moved.farthest)},
                                     {"select_ms", number(took.select_ms)},
                                     {"edit_ms", number(took.edit_ms)}});
-  fmt::print("{}: moved {} of {} vertices, by {:.4g} at most; {} matches\n", arguments.out, moved, before.size(),
-             farthest, took.matches);
+  fmt::print("{}: moved {} of {} vertices, by {:.4g} at most; {} matches\n", arguments.out, moved.vertices, vertices,
+             moved.farthest, took.matches);
   return {};
 }
 
@@ -280,8 +293,10 @@ Expected<void> edit_mesh(const Arguments& arguments, const sdk::Mesh& mesh, cons
   if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
   took.edit_ms = milliseconds_since(began);
   took.matches = job.matches().size();
+  const auto done = moved(arguments, mesh.positions, edited->positions);
+  if (!done) return tl::unexpected(done.error());
   if (auto written = ours(sdk::write_mesh(*edited, arguments.out)); !written) return written;
-  return tell(arguments, mesh.positions, edited->positions, took);
+  return tell(arguments, mesh.positions.size(), *done, took);
 }
 
 /// By a map and along normals: what needs no faces.
@@ -292,6 +307,8 @@ Expected<void> edit_points(const Arguments& arguments, const sdk::PointSet& poin
   if (const std::string wrong = wrong_points_name(arguments.out); !wrong.empty()) return fail(wrong);
   if (arguments.op != "displace" && arguments.op != "paint")
     return refuse("--op displace and paint work on points, the others on meshes");
+  if (arguments.op == "paint" && sdk::mesh_format_of(arguments.out) == sdk::MeshFormat::Xyz)
+    return fail(arguments.out + ": XYZ keeps no colours; expected a name that ends in .ply or .obj for --op paint");
   if (arguments.expand > 0) return refuse("--expand needs a mesh; leave it out to edit by the map");
   const auto map = std::ranges::find(kPointMaps, arguments.map, [](const auto& known) { return known.first; });
   if (map == kPointMaps.end()) return refuse("--map gls and gls-histogram work on points, the others on meshes");
@@ -316,8 +333,10 @@ Expected<void> edit_points(const Arguments& arguments, const sdk::PointSet& poin
       }));
   if (!edited) return fail(arguments.mesh + ": " + edited.error().message);
   took.edit_ms = milliseconds_since(began);
+  const auto done = moved(arguments, points.positions, edited->positions);
+  if (!done) return tl::unexpected(done.error());
   if (auto written = ours(sdk::write_points(*edited, arguments.out)); !written) return written;
-  return tell(arguments, points.positions, edited->positions, took);
+  return tell(arguments, points.positions.size(), *done, took);
 }
 
 Expected<void> run_edit(const Arguments& arguments) {
@@ -336,8 +355,10 @@ Expected<void> run_edit(const Arguments& arguments) {
 void add_edit(CLI::App& app, Run& run) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("edit", "Edit a mesh, or points, at a selection and at all that is like it");
-  command->add_option("MESH", arguments->mesh, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
-  command->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY; of points: PLY, OBJ or XYZ")
+  command->add_option("MESH", arguments->mesh, "a triangle mesh, or points with normals (PLY, OBJ, NOFF, XYZ)")
+      ->required();
+  command
+      ->add_option("OUT", arguments->out, "the edited one: OBJ, OFF or PLY; of points: PLY, OBJ or, but for paint, XYZ")
       ->required()
       ->check(wrong_shape_name);
   command->add_option("--gesture", arguments->gesture, "what is selected, as for `armature select`")

@@ -68,14 +68,14 @@ Expected<sdk::HierarchyOptions> hierarchy_options(const BuildOptions& options, s
   return result;
 }
 
-/// The options in use that forbid collapses.
+/// The options in use that forbid collapses, with a colon behind them; empty if there are none.
 std::string limits(const BuildOptions& options) {
   std::vector<std::string_view> names;
   if (options.keep_topology) names.emplace_back("--keep-topology");
   if (!options.pins.empty()) names.emplace_back("--pin");
   if (!options.labels.empty()) names.emplace_back("--labels");
   if (options.painted) names.emplace_back("--painted");
-  return fmt::format("{}", fmt::join(names, ", "));
+  return names.empty() ? "" : fmt::format("{}: ", fmt::join(names, ", "));
 }
 
 /// The spheres of a level that stand for pinned vertices.
@@ -118,6 +118,9 @@ Expected<void> build(const BuildOptions& options) {
   }
   auto settings = hierarchy_options(options, vertices, mesh != nullptr ? mesh->vertex_colours : points->colours);
   if (!settings) return tl::unexpected(settings.error());
+  if (mesh == nullptr && settings->importance > 0)
+    return fail(fmt::format("{}: has {} points and no faces to tell curvature by; {}", options.in, vertices,
+                            options.importance ? "leave --importance out" : "add --importance 0 to --paper"));
   if (options.hierarchy_out.empty() && !options.error_percent) settings->stop_at = spheres;
   const auto built =
       ours(std::visit([&](const auto& known) { return sdk::build_hierarchy(known, *settings, call.task()); }, *shape));
@@ -125,7 +128,7 @@ Expected<void> build(const BuildOptions& options) {
   const sdk::Hierarchy& hierarchy = built->hierarchy;
   if (!options.spheres) spheres = std::max(spheres, hierarchy.min_spheres());
   if (spheres < hierarchy.min_spheres()) {
-    return fail(fmt::format("{}: {}: no fewer than {} spheres are left; {} were asked for", options.in, limits(options),
+    return fail(fmt::format("{}: {}no fewer than {} spheres are left; {} were asked for", options.in, limits(options),
                             hierarchy.min_spheres(), spheres));
   }
   if (!options.hierarchy_out.empty()) {
@@ -180,7 +183,7 @@ void add_spheremesh_build(CLI::App& spheremesh, Run& run) {
   auto options = std::make_shared<BuildOptions>();
   CLI::App* command =
       spheremesh.add_subcommand("build", "Approximate a mesh, or points, by a few interpolated spheres.");
-  command->add_option("IN", options->in, "a triangle mesh, or points with normals (PLY, OBJ, XYZ)")->required();
+  command->add_option("IN", options->in, "a triangle mesh, or points with normals (PLY, OBJ, NOFF, XYZ)")->required();
   command->add_option("OUT", options->out, "the sphere-mesh: .ma, .ply (with radius) or .urdf (spheres alone)")
       ->required()
       ->check(wrong_sphere_mesh_name);

@@ -47,7 +47,8 @@ struct OuterCrease {
 /// From outside, the nearest primitive is the nearest surface. From inside it is not: what a primitive shows there may
 /// lie within another. So the surface is known by its parts. Each primitive's own sphere, cone or facet has at most one
 /// closest point that can be a local minimum, given in closed form, which counts where nothing covers it; else the
-/// closest point lies on a crease, and creases are found beforehand as polylines. Queries are thread-safe.
+/// closest point lies on a crease, and creases are found beforehand as polylines. Queries are thread-safe; what is not
+/// noexcept allocates.
 class OuterSurface {
  public:
   /// Finds creases and voids. Edges and triangles of `shape` must name its spheres.
@@ -60,7 +61,7 @@ class OuterSurface {
   OuterSurface& operator=(OuterSurface&&) noexcept;
 
   /// Distance to the outer surface, negative within it; infinite if the sphere-mesh is empty.
-  [[nodiscard]] double signed_distance(const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] double signed_distance(const Eigen::Vector3d& point) const;
 
   /// About `count` points, spread evenly by area and the same on every run; plus none on creases.
   [[nodiscard]] std::vector<OuterSample> sample(std::size_t count) const;

@@ -52,8 +52,9 @@ class SphereMeshTree {
   /// Whether the point lies deeper than `depth` within a sphere, edge or triangle.
   [[nodiscard]] bool inside(const Eigen::Vector3d& point, double depth = 0) const noexcept;
 
-  /// The first crossing of the union's surface at t > 0: the entry for an origin outside, the exit for one inside.
-  [[nodiscard]] std::optional<SphereMeshHit> intersect(const Ray& ray) const noexcept;
+  /// The first crossing of the union's surface at t > 0: the entry for an origin outside, the exit for one inside,
+  /// which allocates.
+  [[nodiscard]] std::optional<SphereMeshHit> intersect(const Ray& ray) const;
 
   /// The corners of the bounding box of the union, lower and upper.
   [[nodiscard]] std::array<Eigen::Vector3d, 2> bounds() const noexcept;

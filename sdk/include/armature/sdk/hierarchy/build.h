@@ -100,7 +100,9 @@ struct HierarchyBuild {
 /// set has none) instead of a vertex's cell; what is collapsed are edges between neighbours, and the triangles that
 /// these make, in the tangent plane, are the level's. The hierarchy's leaves are the points. Points without a normal
 /// weigh nothing. The task is also told of "joining points". Refused as well: points without any normal or that
-/// `validate()` refuses, `importance` without `weights`, and `keep_topology`.
+/// `validate()` refuses, so far apart or so close that squares of their distances are no numbers, areas that are
+/// together 0 or 1e12 times off the square of their box's diagonal, `importance` without `weights`, and
+/// `keep_topology`.
 [[nodiscard]] Expected<HierarchyBuild> build_hierarchy(const PointSet& points, const HierarchyOptions& options = {},
                                                        const Task& task = {});
 

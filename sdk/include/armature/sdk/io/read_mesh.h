@@ -21,8 +21,9 @@ struct ReadOptions {
 /// Reads a triangle mesh from a file. Vertices keep their order, faces theirs; a polygon becomes consecutive triangles
 /// (see `triangulate_polygon()`). Numbers become the doubles nearest to them. Non-manifold, open, degenerate,
 /// duplicated and inside-out meshes are read as they are. A file that is truncated, corrupt, without a face (one of
-/// points with normals alone is told so), or has an index out of range or a coordinate that is not finite is refused
-/// with its name, the line or byte, and what was expected.
+/// points with normals alone is told so), or has triangle strips (of PLY), an index out of range or a coordinate that
+/// is not finite is refused with its name, the line or byte, and what was expected. What is not of a mesh (normals,
+/// radii, edges) is skipped.
 [[nodiscard]] Expected<Mesh> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {},
                                        const Task& task = {});
 
@@ -37,7 +38,7 @@ using MeshOrPoints = std::variant<Mesh, PointSet>;
 /// nx, ny, nz (and area, if there is one), OBJ with as many lines vn as v, which belong together in their order, OFF
 /// with normals (NOFF), and lines of six numbers (MeshFormat::Xyz). Points keep their order; normals come out of unit
 /// length. Refused as well, with the line or byte: a normal that is 0 0 0 or not finite, fewer or more normals than
-/// points, a negative area. Normals of a file with faces are skipped.
+/// points, a negative area.
 [[nodiscard]] Expected<MeshOrPoints> read_mesh_or_points(const std::filesystem::path& path,
                                                          const ReadOptions& options = {}, const Task& task = {});
 
