@@ -25,14 +25,21 @@ bool replaces_itself(std::string_view name) {
          name == "edit" || name == "transfer";
 }
 
+std::string_view first_word(std::string_view line) {
+  return line.substr(0, line.find(' '));
+}
+
+/// Whether nothing is left of what a line did once another has been carried out right after it: that is the same
+/// command, with as many arguments (a camera may keep where it stands).
+bool replaces(std::string_view line, std::string_view before) {
+  return replaces_itself(first_word(line)) && first_word(line) == first_word(before) &&
+         std::ranges::count(line, ' ') >= std::ranges::count(before, ' ');
+}
+
 /// Waiting and expecting are no actions: the log leaves them out.
 bool is_about_scripts(const Command& command) {
   const auto commands = script_commands();
   return &command >= commands.data() && &command < commands.data() + commands.size();
-}
-
-std::string_view first_word(std::string_view line) {
-  return line.substr(0, line.find(' '));
 }
 
 }  // namespace
@@ -85,7 +92,7 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   forget_error(name);
   // What a job began with stays before it.
   const std::size_t first = job.running() ? pending_at_ : 0;
-  if (log_.size() > first && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
+  if (log_.size() > first && replaces(line_, log_.back())) log_.pop_back();
   log_.push_back(line_);
   return {};
 }
@@ -99,9 +106,10 @@ void Session::take_job() {
   if (!done) return;
   job_undone = !*done;
   if (*done) {
-    const std::string_view name = first_word(pending_line_);
-    forget_error(name);
-    if (pending_at_ > 0 && replaces_itself(name) && first_word(log_[pending_at_ - 1]) == name)
+    forget_error(first_word(pending_line_));
+    // What was done meanwhile was done before this had its effect.
+    for (std::size_t i = pending_at_; i < log_.size(); ++i) log_[i] = "meanwhile " + log_[i];
+    if (pending_at_ > 0 && replaces(pending_line_, log_[pending_at_ - 1]))
       log_.erase(log_.begin() + static_cast<std::ptrdiff_t>(--pending_at_));
     log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {

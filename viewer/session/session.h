@@ -85,7 +85,8 @@ class Session {
   sdk::Expected<void> execute(std::string_view line);
   /// Takes what the background has finished and moves what moves. Call it once a frame.
   void update(Time now);
-  /// The lines that were carried out, in order.
+  /// The lines that were carried out, in order, as a script replays them: what was done while work went on that then
+  /// came to its end is done `meanwhile`.
   [[nodiscard]] const std::vector<std::string>& log() const noexcept { return log_; }
 
   /// Whether work runs in the background that the next line of a script has to wait for.

@@ -80,8 +80,47 @@ TEST(Lines, OfWorkStandWhereItBegan) {
   ASSERT_TRUE(session.execute("camera 30 10"));  // moves on meanwhile
   ASSERT_TRUE(session.execute("combine subtract"));
   while (session.job.running()) session.update(session.now + 5ms);
-  EXPECT_EQ(session.log(), (Words{"camera 0 0", "lasso -1 -1 1 -1 1 1 -1 1", "camera 30 10", "combine subtract"}));
+  EXPECT_EQ(session.log(),
+            (Words{"camera 0 0", "lasso -1 -1 1 -1 1 1 -1 1", "meanwhile camera 30 10", "meanwhile combine subtract"}));
   EXPECT_EQ(model->selecting.selection.faces().size(), 1U) << "as it was combined when it began";
+  // What is done meanwhile of work that comes to nothing is done all the same.
+  ASSERT_TRUE(session.execute("lasso -1 -1 1 -1 1 1 -1 1"));
+  ASSERT_TRUE(session.execute("camera 40 10"));
+  session.job.cancel();
+  while (session.job.running()) session.update(session.now + 5ms);
+  EXPECT_EQ(session.log().back(), "camera 40 10");
+  EXPECT_EQ(session.log().size(), 5U);
+}
+
+/// Lets a script come to its end, or returns why it did not.
+std::string played(Session& session, Script script) {
+  for (;;) {
+    session.update(session.now + 5ms);
+    if (const auto stepped = script.step(session); !stepped) return stepped.error().message;
+    if (script.done(session)) return "";
+  }
+}
+
+TEST(Lines, OfASessionThatIsReplayedDoWhatTheyDidWhateverWorkWentOn) {
+  const std::string file = ::testing::TempDir() + "replayed.off";
+  std::ofstream(file) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const Words lines = {"open " + as_word(file),
+                       "meanwhile camera 90 20 5 1 2 3",  // opening sees all of it afterwards
+                       "camera 10 20 7 1 2 3",
+                       "camera 30 40",  // from as far
+                       "camera 50 40",
+                       "panel spheres"};
+  Session first, again;
+  EXPECT_EQ(played(first, Script({lines[0], lines[1]})), "");
+  const double fitted = first.camera.distance;
+  EXPECT_LT(fitted, 4);
+  EXPECT_EQ(played(again, Script(first.log())), "");
+  EXPECT_EQ(again.camera.distance, fitted);
+  EXPECT_EQ(played(first, Script({lines[2], lines[3], lines[4], lines[5]})), "");
+  EXPECT_EQ(first.log(), (Words{lines[0], lines[1], lines[2], lines[4], lines[5]}));
+  EXPECT_EQ(played(again, Script({lines[2], lines[4]})), "");
+  EXPECT_EQ(again.camera.view_from_world().matrix(), first.camera.view_from_world().matrix());
+  std::remove(file.c_str());
 }
 
 TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
@@ -161,11 +200,7 @@ TEST(Sizes, AreReadStrictly) {
 TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   const auto failure = [](Script script) {
     Session session;
-    for (;;) {
-      session.update(session.now + 5ms);
-      if (const auto stepped = script.step(session); !stepped) return stepped.error().message;
-      if (script.done(session)) return std::string();
-    }
+    return played(session, std::move(script));
   };
   const std::string file = ::testing::TempDir() + "viewer_script.txt";
   std::ofstream(file) << "# a script\ntool hammer\n";
