@@ -90,6 +90,11 @@ class Viewer(unittest.TestCase):
         while not is_there() and time.monotonic() < deadline and program.poll() is None:
             time.sleep(0.05)
 
+    def highest(self, name):
+        """The largest y of the vertices of an OFF file."""
+        words = (self.folder / name).read_text().split()
+        return max(float(y) for y in words[5:4 + 3 * int(words[1]):3])
+
     def script(self, name):
         played = self.view("--headless", "--script", HERE / "scripts" / name)
         self.assertEqual(played.returncode, 0, played.stderr)
@@ -125,6 +130,8 @@ class Viewer(unittest.TestCase):
     def test_poses_and_sessions_that_are_played_again(self):
         self.script("pose.txt")
         self.assertEqual((self.folder / "kept.moves").read_bytes(), (self.folder / "pose.moves").read_bytes())
+        self.assertGreater(self.highest("posed.off"), 6)
+        self.assertEqual(self.highest("rest.off"), self.highest("creature.off"))
         first = self.facts((self.folder / "session.txt").read_text().splitlines())
         self.assertEqual(first["spheres"], "12")
         self.assertEqual(first["steps"], "2")

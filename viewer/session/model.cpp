@@ -194,7 +194,7 @@ sdk::Expected<void> write_model(const Model& model, const std::filesystem::path&
     return sdk::fail(path.string() + ": expected a name that ends in .obj, .off, .ply, .ma, .urdf or .smh");
   if (!model.mesh) return lacks("mesh");
   if (model.editing.tried) return sdk::fail("keep the edit that is shown, or drop it, before the mesh is written");
-  return sdk::write_mesh(model.mesh->mesh, path);
+  return sdk::write_mesh(model.shown_mesh(), path);
 }
 
 }  // namespace armature::viewer

@@ -148,7 +148,8 @@ struct Model {
                                                                const sdk::Task& task);
 
 /// The model's sphere-mesh (.ma, .urdf, .ply), hierarchy (.smh) or mesh (.obj, .off, .ply), by the extension. A .ply
-/// file gets the spheres where `spheres` says so.
+/// file gets the spheres where `spheres` says so. Mesh and spheres are written as they are shown, posed; a hierarchy is
+/// that of the mesh at rest. Fails while an edit is tried.
 [[nodiscard]] sdk::Expected<void> write_model(const Model& model, const std::filesystem::path& path, bool spheres);
 
 }  // namespace armature::viewer

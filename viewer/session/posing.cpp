@@ -65,15 +65,13 @@ Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
 }
 
 Posing::Laid Posing::undo() {
-  return after([&]() -> sdk::Expected<void> {
-    return session_.undo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
-  });
+  return after(
+      [&]() -> sdk::Expected<void> { return session_.undo() ? sdk::Expected<void>() : sdk::fail(kNothingToUndo); });
 }
 
 Posing::Laid Posing::redo() {
-  return after([&]() -> sdk::Expected<void> {
-    return session_.redo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
-  });
+  return after(
+      [&]() -> sdk::Expected<void> { return session_.redo() ? sdk::Expected<void>() : sdk::fail(kNothingToRedo); });
 }
 
 sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,

@@ -23,6 +23,12 @@ struct Pose {
   std::size_t steps = 0;          ///< how many there are to undo
 };
 
+///@{
+/// What there is to say where no step is left.
+inline constexpr const char* kNothingToUndo = "there is nothing to undo";
+inline constexpr const char* kNothingToRedo = "there is nothing to redo";
+///@}
+
 /// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session and what it needs to live. What
 /// changes it takes long where the mesh is large, so jobs do it; each returns how the mesh then lies. Thread-safe: one
 /// waits for another.

@@ -85,7 +85,8 @@ constexpr std::array kCommands = {
     Command{"open", "FILE", "open a mesh, a sphere-mesh (.ma, .ply) or a hierarchy (.smh)", open},
     Command{"close", "", "close the model that is shown", close},
     Command{"model", "N", "show the N-th of the models that are open", model},
-    Command{"save", "FILE [mesh|spheres]", "write the mesh, the sphere-mesh or the hierarchy, by the extension", save},
+    Command{"save", "FILE [mesh|spheres]",
+            "write the mesh or the spheres, posed as they are, or the hierarchy, by the extension", save},
 };
 
 }  // namespace
