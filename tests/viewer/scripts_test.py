@@ -251,6 +251,7 @@ class Viewer(unittest.TestCase):
                                       (["--size", "640x480junk"], 2, "640x480junk"), (["--nonsense"], 2, "--nonsense"),
                                       (["--headless", "--script", "none.txt"], 1, "none.txt"),
                                       (["--headless", "missing.off"], 1, "armature-viewer: missing.off"),
+                                      (["--headless", "--script", "."], 1, "is a folder"),
                                       (["--server", "x"], 2, "--keys"),
                                       (["--headless", "--connect", "tcp://127.0.0.1:9", "--keys", "none.key", "--server",
                                         "x"], 1, "none.key")):
@@ -262,6 +263,10 @@ class Viewer(unittest.TestCase):
         done = self.play(["open creature.off", "", "tool hammer"])
         self.assertEqual(done.returncode, 1)
         self.assertIn("script.txt, line 3: tool", done.stderr)
+        done = self.play(["open creature.off", "screenshot nowhere/x.png", "save-session after.txt"])
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("script.txt, line 2: nowhere/x.png", done.stderr)
+        self.assertFalse((self.folder / "after.txt").exists())
 
     def test_a_daemon_that_lets_in_known_keys_alone(self):
         def public_key(file):

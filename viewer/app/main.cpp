@@ -21,10 +21,10 @@ struct Options {
 };
 
 armature::sdk::Expected<void> run(const Options& arguments) {
-  RunOptions options{.scale = static_cast<float>(arguments.scale), .screenshot = arguments.screenshot};
+  RunOptions options{
+      .scale = static_cast<float>(arguments.scale), .files = arguments.files, .screenshot = arguments.screenshot};
   if (!arguments.size.empty()) options.size = *parse_size(arguments.size);  // it was checked
   std::vector<std::string> lines;
-  for (const std::string& file : arguments.files) lines.push_back("open " + as_word(file));
   if (!arguments.connect.empty()) {
     lines.push_back("connect " + as_word(arguments.connect));
     if (!arguments.keys.empty())
@@ -32,7 +32,7 @@ armature::sdk::Expected<void> run(const Options& arguments) {
   }
   if (arguments.person) lines.emplace_back("person");
   Session session;
-  Script script(std::move(lines));
+  Script script(lines);
   if (!arguments.script.empty()) {
     auto read = Script::read(arguments.script);
     if (!read) return armature::sdk::fail(read.error().message);
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", ARMATURE_VERSION);
   app.footer(
       "Commands, in scripts and in the log of the window:\n" + list_of_commands() +
-      "\nA line that begins with `try` may fail; one that begins with `meanwhile` does not wait for the work of those "
+      "\nBefore its command a line may say `try`: it may fail; and `meanwhile`: it does not wait for the work of those "
       "before it. # begins a comment.\n\n"
       "Examples:\n"
       "  armature-viewer creature.off\n"

@@ -77,7 +77,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   float scale = options.scale;
   if (!(scale > 0)) glfwGetWindowContentScale(w.window, &scale, nullptr);
   w.imgui = ImGui::CreateContext();
-  Playlist playlist(std::move(script));
+  Playlist playlist(options.files, std::move(script));
   glfwSetWindowUserPointer(w.window, &playlist);
   glfwSetDropCallback(w.window, on_drop);
   w.backend = ImGui_ImplGlfw_InitForOpenGL(w.window, true);
@@ -112,7 +112,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     if (session.picture) {
       const PictureRequest request = *std::exchange(session.picture, std::nullopt);
       const auto taken = photograph(*w.app, session, request, request.size.value_or(PictureSize{width, height}));
-      if (!taken) session.tell(taken.error().message, true);
+      if (!taken) session.tell_failure(request.origin, taken.error().message);
     }
   }
   return {};

@@ -143,7 +143,7 @@ void Session::update(Time time) {
   if (!notice_is_error && now - notice_since > kNoticeStays) notice.clear();
   measure_level();
   prepare_tool();
-  if (waiting && !job.running() && waiting()) waiting = nullptr;
+  if (waiting && waiting()) waiting = nullptr;
 }
 
 /// Once the level has stood for a moment, its error is measured in the background: quickly, and then in full where that

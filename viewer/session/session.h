@@ -58,17 +58,18 @@ struct Picked {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the model's coordinates
 };
 
-/// A picture that a script asks for; whoever draws makes it.
-struct PictureRequest {
-  std::string file;
-  std::optional<PictureSize> size = {};  ///< or that of the window
-  int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
-};
-
 /// Where a line comes from.
 struct Origin {
   std::string place = {};  ///< in a file, with a colon; or empty
-  bool may_fail = false;   ///< that it, or its work, fails does not count
+  bool may_fail = true;    ///< that it, or its work, fails does not count, as of all that is done by hand
+};
+
+/// A picture that a script asks for; whoever draws makes it.
+struct PictureRequest {
+  std::string file = {};
+  std::optional<PictureSize> size = {};  ///< or that of the window
+  int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
+  Origin origin = {};                    ///< of the line that asks for it
 };
 
 /// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
@@ -91,8 +92,8 @@ class Session {
 
   /// Whether work runs in the background that the next line of a script has to wait for.
   [[nodiscard]] bool busy() const { return job.running() || waits(); }
-  /// Whether it has been told to wait, and what for has not come.
-  [[nodiscard]] bool waits() const { return waiting && !waiting(); }
+  /// Whether it has been told to wait, and what for had not come at the last `update()`.
+  [[nodiscard]] bool waits() const { return waiting != nullptr; }
 
   /// The model that commands are about; fails where nothing is open.
   [[nodiscard]] sdk::Expected<Model*> active();
@@ -136,13 +137,13 @@ class Session {
   Job job;
   bool job_undone = false;                ///< the last one that ended was cancelled or has failed
   Job preparing;                          ///< what the tool in hand will need; nothing waits for it
-  std::function<bool()> waiting;          ///< a script waits until it is true
+  std::function<bool()> waiting;          ///< a script waits until it is true; `update()` asks
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
   std::string notice;                     ///< the last failure or what to know, for people
   bool notice_is_error = false;
   Time notice_since{0};  ///< what is no error goes after a while
   Origin origin;         ///< of the line that is carried out next
-  /// What of all that may not has failed first, a line or its work or an expectation, after its place.
+  /// What of all that may not has failed first, a script's line or its work or an expectation, after its place.
   std::optional<std::string> failure;
   std::size_t failures = 0;  ///< how many lines have failed, those that may as well
   bool quit = false;

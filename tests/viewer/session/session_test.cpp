@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -197,6 +198,21 @@ TEST(Sizes, AreReadStrictly) {
     EXPECT_FALSE(parse_size(text)) << text;
 }
 
+/// A folder with two triangles, one.off and two.off.
+std::string two_files() {
+  std::string folder = ::testing::TempDir();
+  for (const char* name : {"one.off", "two.off"})
+    std::ofstream(folder + name) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  return folder;
+}
+
+void play(Session& session, Playlist& playlist) {
+  do {
+    session.update(session.now + 5ms);
+    playlist.step(session);
+  } while (!playlist.done(session));
+}
+
 TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   const auto failure = [](Script script) {
     Session session;
@@ -221,6 +237,48 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   std::remove(file.c_str());
 }
 
+TEST(Scripts, TakeWordsBeforeACommandInAnyOrderAndLinesWithoutWordsForNone) {
+  const std::string file = two_files() + "one.off";
+  for (const char* line :
+       {"meanwhile cancel", "  meanwhile cancel", "meanwhile\ttry cancel", "try meanwhile cancel # it"}) {
+    Session session;
+    EXPECT_EQ(played(session, Script({"open " + as_word(file), "# a comment", "", " \t\r", line})), "") << line;
+    EXPECT_TRUE(session.models.empty()) << line;
+  }
+  Session session;
+  EXPECT_EQ(played(session, Script({"try\ttool hammer", " try tool nail", "try meanwhile tool spoon"})), "");
+  EXPECT_EQ(session.failures, 3U);
+  EXPECT_EQ(played(session, Script(Words{"meanwhiles"})), "meanwhiles is no command; `help` lists them");
+}
+
+TEST(Scripts, EndWhereTheyFailWhateverTheyWaitFor) {
+  Session session;
+  EXPECT_EQ(played(session, Script({"open " + as_word(two_files() + "one.off"), "meanwhile wait 0.01 models 7",
+                                    "meanwhile panel edit"})),
+            "wait: models is still 0, expected 7");
+  EXPECT_EQ(session.panel, Panel::Look);
+}
+
+TEST(Scripts, FailWhereAPictureDoes) {
+  for (const bool may_fail : {false, true}) {
+    Session session;
+    Script script({may_fail ? "try screenshot a.png" : "screenshot a.png", "panel edit"});
+    session.update(5ms);
+    ASSERT_TRUE(script.step(session));
+    ASSERT_TRUE(session.picture);
+    const PictureRequest request = *std::exchange(session.picture, std::nullopt);
+    session.tell_failure(request.origin, "no");
+    EXPECT_EQ(script.step(session).has_value(), may_fail);
+    EXPECT_EQ(session.panel, may_fail ? Panel::Edit : Panel::Look);
+  }
+}
+
+TEST(Scripts, AreFiles) {
+  const auto read = Script::read(::testing::TempDir());
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("is a folder; expected a file of commands"), std::string::npos);
+}
+
 TEST(Commands, HaveOneMeaningEach) {
   for (const auto group : {file_commands(), view_commands(), sphere_commands(), select_commands(), pose_commands(),
                            edit_commands(), walk_commands(), script_commands()})
@@ -235,25 +293,44 @@ std::optional<sdk::Expected<void>> waited_for(Job& job) {
 }
 
 TEST(WhatIsDropped, IsOpenedWhateverFailsMeanwhile) {
-  const std::string folder = ::testing::TempDir();
-  for (const char* name : {"one.off", "two.off"})
-    std::ofstream(folder + name) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const std::string folder = two_files();
   Session session;
-  Playlist playlist{Script(Words{"open " + as_word(folder + "one.off")})};
-  const auto play = [&] {
-    do {
-      session.update(session.now + 5ms);
-      playlist.step(session);
-    } while (!playlist.done(session));
-  };
-  play();
+  Playlist playlist({}, Script({"open " + as_word(folder + "one.off")}));
+  play(session, playlist);
   ASSERT_EQ(session.models.size(), 1U);
   // By hand, and nothing lies within: it fails while the files wait.
   ASSERT_TRUE(session.execute("lasso 2 2 2.1 2 2 2.1"));
   for (const char* name : {"none.off", "two.off", "one.off"}) playlist.drop(folder + name);
-  play();
+  play(session, playlist);
   EXPECT_EQ(session.models.size(), 3U);
   EXPECT_EQ(session.models.back()->name, "one");
+}
+
+TEST(WhatIsOpened, IsAllThatCanBeAndTheOthersAreTold) {
+  const std::string folder = two_files();
+  Session session;
+  Playlist playlist({folder + "no.off", folder + "one.off", folder + "none.off", folder + "two.off"}, Script());
+  play(session, playlist);
+  EXPECT_EQ(session.models.size(), 2U);
+  EXPECT_TRUE(session.notice_is_error);
+  EXPECT_NE(session.notice.find("no.off: cannot be read"), std::string::npos) << session.notice;
+  EXPECT_NE(session.notice.find("none.off: cannot be read"), std::string::npos) << session.notice;
+  EXPECT_FALSE(session.failure);
+}
+
+TEST(Scripts, GoOnWhateverFailsByHandMeanwhile) {
+  Session session;
+  Playlist playlist({}, Script({"wait 0.1", "panel edit", "wait 0.1", "tool hammer", "panel look"}));
+  session.update(5ms);
+  playlist.step(session);
+  EXPECT_FALSE(session.execute("undo")) << "of nothing";
+  play(session, playlist);
+  EXPECT_EQ(session.panel, Panel::Edit) << "what of its own fails ends it";
+  EXPECT_EQ(session.notice.find("tool: "), 0U) << session.notice;
+  // and nothing else.
+  playlist.drop(two_files() + "one.off");
+  play(session, playlist);
+  EXPECT_EQ(session.models.size(), 1U);
 }
 
 TEST(Jobs, ChangeThingsOnTheCallersThreadOnceTheyAreDone) {

@@ -88,7 +88,7 @@ Done read_size(Arguments& arguments, PictureRequest& request) {
 }
 
 Done screenshot(Session& session, Arguments& arguments) {
-  PictureRequest request{.file = arguments.word("file")};
+  PictureRequest request{.file = arguments.word("file"), .origin = session.origin};
   if (auto sized = read_size(arguments, request); !sized) return sized;
   if (auto checked = arguments.check(); !checked) return checked;
   session.picture = std::move(request);
@@ -96,7 +96,7 @@ Done screenshot(Session& session, Arguments& arguments) {
 }
 
 Done frame_times(Session& session, Arguments& arguments) {
-  PictureRequest request;
+  PictureRequest request{.origin = session.origin};
   request.turn = static_cast<int>(arguments.count("pictures", 1, 1000));
   if (auto sized = read_size(arguments, request); !sized) return sized;
   if (auto checked = arguments.check(); !checked) return checked;
