@@ -140,6 +140,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   draw_view_hints(ui_);
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
+  follow_level(ui_);
   lay_out(width, height);  // again: the sidebar may have closed a model
   if (ui_.beside.size.x > 0) {
     draw_name(ui_.view, session_.models[session_.active_model]->name);

@@ -98,13 +98,14 @@ sdk::Expected<void> Session::execute(std::string_view line) {
 }
 
 void Session::start(std::string title, Job::Work work, bool whole) {
+  job_outcome = pending_outcome_ = std::make_shared<Outcome>(Outcome::Open);
   job.start(std::move(title), std::move(work), whole);
 }
 
 void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
-  job_undone = !*done;
+  if (pending_outcome_) *pending_outcome_ = *done ? Outcome::Done : Outcome::Undone;
   if (*done) {
     forget_error(first_word(pending_line_));
     // What was done meanwhile was done before this had its effect.

@@ -58,6 +58,9 @@ struct Picked {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the model's coordinates
 };
 
+/// How a job has ended, if it has.
+enum class Outcome : std::uint8_t { Open, Done, Undone };
+
 /// Where a line comes from.
 struct Origin {
   std::string place = {};  ///< in a file, with a colon; or empty
@@ -135,7 +138,8 @@ class Session {
   Walk walk;
 
   Job job;
-  bool job_undone = false;                ///< the last one that ended was cancelled or has failed
+  /// Of the last job that was begun; another one has another. Undone: it was cancelled or has failed.
+  std::shared_ptr<const Outcome> job_outcome;
   Job preparing;                          ///< what the tool in hand will need; nothing waits for it
   std::function<bool()> waiting;          ///< a script waits until it is true; `update()` asks
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
@@ -173,7 +177,8 @@ class Session {
   std::vector<std::string> log_;
   std::string line_, pending_line_;  // being carried out; whose job runs
   Origin pending_origin_;            // its
-  std::size_t pending_at_ = 0;       // where that belongs in the log: after what was carried out before it
+  std::shared_ptr<Outcome> pending_outcome_;
+  std::size_t pending_at_ = 0;  // where that belongs in the log: after what was carried out before it
   Job measuring_;
   std::vector<std::shared_ptr<const void>> unwanted_;
   Job discarding_;

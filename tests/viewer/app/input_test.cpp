@@ -248,6 +248,71 @@ TEST_F(Hands, CancelAStrokeWithAllThatGoesOnFromIt) {
   EXPECT_NE(selecting.selection.faces(), before) << "the last one stands on its own";
 }
 
+TEST_F(Hands, KnowWhichWorkTheirStrokesWentOnFromWhateverElseFails) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Selecting& selecting = session.models.front()->selecting;
+  const auto draw = [&](const ImVec2& from, bool shift) {
+    ImGui::GetIO().KeyShift = shift;
+    for (int i = 0; i < 8; ++i) look({from.x + 4 * static_cast<float>(i), from.y}, i > 0 && i < 7);
+    ImGui::GetIO().KeyShift = false;
+  };
+  const auto end_job = [&] {
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  };
+  // A file has its turn before the stroke that waits, and cannot be opened.
+  draw({240, 200}, false);
+  draw({340, 200}, true);
+  end_job();
+  ASSERT_TRUE(session.execute("open none.off"));
+  frame({10, 10});
+  frame({10, 10});
+  EXPECT_EQ(selecting.strokes.strokes.size(), 2U);
+  EXPECT_EQ(session.notice.find("stroke"), std::string::npos) << session.notice;
+  // The first stroke is cancelled, which a file that fails after it does not hide.
+  const auto before = selecting.selection.faces();
+  draw({240, 260}, false);
+  draw({340, 260}, true);
+  ASSERT_TRUE(session.execute("cancel"));
+  end_job();
+  ASSERT_TRUE(session.execute("open none.off"));
+  look({10, 10}, false);
+  EXPECT_EQ(session.notice,
+            "brushing was cancelled; everything is as it was; the stroke that went on from it went with it");
+  frame({10, 10});
+  EXPECT_EQ(selecting.selection.faces(), before);
+  // Another model comes up.
+  draw({240, 200}, false);
+  draw({340, 200}, true);
+  draw({300, 150}, true);
+  end_job();
+  session.add(ball(6));
+  frame({10, 10});
+  EXPECT_EQ(session.notice, "another model came up before 2 strokes could be carried out; draw them again");
+  EXPECT_EQ(session.models.front()->selecting.strokes.strokes.size(), 1U);
+}
+
+TEST_F(Hands, LetGoOfTheLevelsSliderWhileWorkGoesOnAndLookElsewhere) {
+  for (const char* line : {"build", "level 8"}) {
+    ASSERT_TRUE(session.execute(line));
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  }
+  const std::shared_ptr<Model> model = session.models.front();
+  ui.slide = {.model = model, .wanted = 5, .waits = true};
+  ASSERT_TRUE(session.execute("map curvature"));
+  ASSERT_TRUE(session.execute("panel look"));
+  follow_level(ui);
+  EXPECT_EQ(model->spheres->cursor->size(), 8U) << "it waits";
+  while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  follow_level(ui);
+  EXPECT_EQ(model->spheres->cursor->size(), 5U);
+  // It is no other model's, and jumps to nothing later.
+  ui.slide.waits = true;
+  session.add(ball(6));
+  follow_level(ui);
+  EXPECT_FALSE(ui.slide.waits);
+  EXPECT_EQ(session.notice, "");
+}
+
 TEST_F(Hands, SeeWhatABrushWillSelectWhileTheStrokeBeforeIsBeingSelected) {
   ASSERT_TRUE(session.execute("tool brush"));
   const Selecting& selecting = session.models.front()->selecting;
@@ -567,6 +632,7 @@ TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
       ImGui::GetIO().MouseDown[0] = down;
       ImGui::NewFrame();
       draw_sidebar(panels);
+      follow_level(panels);
       ImGui::EndFrame();
       for (int waited = 0; used.job.running(); ++waited) {
         used.update(used.now + std::chrono::milliseconds(5));

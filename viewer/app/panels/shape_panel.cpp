@@ -77,10 +77,6 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
                                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     slide.active = ImGui::IsItemActive();
     if (posed ? ImGui::IsItemDeactivatedAfterEdit() : moved) slide.waits = true;
-    if (slide.waits && !ui.session.job.running()) {
-      slide.waits = false;
-      ui.issue("level {}", slide.wanted);
-    }
   }
   const sdk::SphereMesh& shape = spheres.shape;
   const std::string parts = counted(shape.edges.size(), "edge") + ", " + counted(shape.triangles.size(), "triangle");
@@ -105,6 +101,16 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
 }
 
 }  // namespace
+
+void follow_level(Ui& ui) {
+  LevelSlide& slide = ui.slide;
+  const Session& session = ui.session;
+  if (!slide.waits || session.job.running()) return;
+  slide.waits = false;
+  const auto model = slide.model.lock();
+  if (model && !session.models.empty() && session.models[session.active_model] == model)
+    ui.issue("level {}", slide.wanted);
+}
 
 void draw_shape_panel(Ui& ui) {
   draw_looks(ui, *ui.session.models[ui.session.active_model]);
