@@ -61,6 +61,8 @@ class Viewer(unittest.TestCase):
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
         (cls.models / "broken.moves").write_text("armature deformation 1\nlevel 8\nmove spheres 0 translate 0 1 0\n"
                                                 "move nothing\n")
+        (cls.models / "long.moves").write_text("armature deformation 1\nlevel 20\n" +
+                                              2000 * "move spheres 3 translate 0 0.01 0\n")
         (cls.models / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n")
 
     @classmethod

@@ -60,8 +60,8 @@ Posing::Laid Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
   return after([&] { return session_.pin(spheres, pinned); });
 }
 
-Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
-  return after([&] { return session_.replay(text, name); });
+Posing::Laid Posing::replay(std::string_view text, std::string_view name, const sdk::Task& task) {
+  return after([&] { return session_.replay(text, name, task); });
 }
 
 Posing::Laid Posing::undo() {
@@ -74,20 +74,20 @@ Posing::Laid Posing::redo() {
       [&]() -> sdk::Expected<void> { return session_.redo() ? sdk::Expected<void>() : sdk::fail(kNothingToRedo); });
 }
 
-sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
-                        bool lets_go) {
+sdk::Expected<void> lay(Session& session, std::string title,
+                        std::function<Posing::Laid(Posing&, const sdk::Task&)> change, const Laying& laying) {
   session.start(
       std::move(title),
-      [change = std::move(change), lets_go,
-       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-        auto laid = change(*model->posing);
+      [change = std::move(change), lets_go = laying.lets_go,
+       model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+        auto laid = change(*model->posing, task);
         if (!laid) return tl::unexpected(laid.error());
         return Job::Apply([model, lets_go, pose = std::move(*laid)] {
           if (lets_go) model->handle.clear();
           model->lay(pose);
         });
       },
-      true);
+      laying.stops);
   return {};
 }
 

@@ -48,7 +48,7 @@ class Posing {
   [[nodiscard]] Laid preview(const sdk::SphereMove& move);
   [[nodiscard]] Laid go_to(std::size_t spheres);
   [[nodiscard]] Laid pin(std::span<const sdk::SphereId> spheres, bool pinned);
-  [[nodiscard]] Laid replay(std::string_view text, std::string_view name);
+  [[nodiscard]] Laid replay(std::string_view text, std::string_view name, const sdk::Task& task);
   [[nodiscard]] Laid undo();
   [[nodiscard]] Laid redo();
   ///@}
@@ -69,8 +69,13 @@ class Posing {
   sdk::DeformationSession session_;  // refers to both
 };
 
-/// Starts a job that changes how the active model lies, which must be posed; `lets_go`: nothing is held afterwards.
-sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
-                        bool lets_go = false);
+/// What else there is to a change of how a model lies.
+struct Laying {
+  bool lets_go = false;        ///< nothing is held afterwards
+  Stops stops = Stops::Never;  ///< as the change does
+};
+/// Starts a job that changes how the active model lies, which must be posed.
+sdk::Expected<void> lay(Session& session, std::string title,
+                        std::function<Posing::Laid(Posing&, const sdk::Task&)> change, const Laying& laying = {});
 
 }  // namespace armature::viewer

@@ -97,9 +97,9 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   return {};
 }
 
-void Session::start(std::string title, Job::Work work, bool whole) {
+void Session::start(std::string title, Job::Work work, Stops stops) {
   job_outcome = pending_outcome_ = std::make_shared<Outcome>(Outcome::Open);
-  job.start(std::move(title), std::move(work), whole);
+  job.start(std::move(title), std::move(work), stops);
 }
 
 void Session::take_job() {

@@ -107,9 +107,8 @@ class Session {
   [[nodiscard]] sdk::Expected<std::shared_ptr<Model>> active_unposed();
   /// nor shown with an edit, so that what is made of it is of what is shown.
   [[nodiscard]] sdk::Expected<std::shared_ptr<Model>> active_at_rest();
-  /// Starts a job in the name of the line that is being carried out; it is logged once the job has succeeded. A job
-  /// that changes a pose or a file by itself is `whole`: it is not cancelled.
-  void start(std::string title, Job::Work work, bool whole = false);
+  /// Starts a job in the name of the line that is being carried out; it is logged once the job has succeeded.
+  void start(std::string title, Job::Work work, Stops stops = Stops::Anywhere);
   /// Opens a model, chooses it and sees all of it.
   void add(std::shared_ptr<Model> model);
   /// A sphere around the models that are shown.

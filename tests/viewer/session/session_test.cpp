@@ -383,7 +383,10 @@ TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
   EXPECT_FALSE(changed);
 }
 
-TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
+class JobsThatChangeThings : public ::testing::TestWithParam<Stops> {};
+
+TEST_P(JobsThatChangeThings, AreDoneWhereTheyAreAlthoughSomebodyCancels) {
+  const Stops stops = GetParam();
   Job job;
   bool applied = false;
   job.start(
@@ -392,13 +395,15 @@ TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
         while (!task.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return Job::Apply([&] { applied = true; });
       },
-      true);
+      stops);
   job.cancel();
   std::optional<sdk::Expected<void>> done;
   while (!done) done = job.poll();
   EXPECT_TRUE(*done);
   EXPECT_TRUE(applied);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, JobsThatChangeThings, ::testing::Values(Stops::ByItself, Stops::Never));
 
 TEST(WhatIsMadeOnce, IsMadeByTheFirstThatAsksAndWaitedForByTheOthers) {
   MadeOnce<int> once;

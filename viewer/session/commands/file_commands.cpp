@@ -75,7 +75,7 @@ Done save(Session& session, Arguments& arguments) {
         if (auto written = write_model(*model, file, spheres); !written) return tl::unexpected(written.error());
         return Job::Apply([&session, file] { session.tell("wrote " + file); });
       },
-      true);
+      Stops::Never);
   return {};
 }
 

@@ -72,7 +72,7 @@ Done moved(Session& session, Arguments& arguments, sdk::SphereMove move) {
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   move.spheres = (*model)->handle;
   if (auto checked = sdk::check(move, (*model)->pose->shape.spheres.size()); !checked) return checked;
-  return lay(session, "moving what is held", [move](Posing& posing) { return posing.move(move); });
+  return lay(session, "moving what is held", [move](Posing& posing, const sdk::Task&) { return posing.move(move); });
 }
 
 Done translate(Session& session, Arguments& arguments) {
@@ -104,7 +104,7 @@ Done pin(Session& session, Arguments& arguments) {
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   return lay(session, Pinned ? "pinning what is held" : "letting it move",
-             [held = (*model)->handle](Posing& posing) { return posing.pin(held, Pinned); });
+             [held = (*model)->handle](Posing& posing, const sdk::Task&) { return posing.pin(held, Pinned); });
 }
 
 Done save_pose(Session& session, Arguments& arguments) {
@@ -119,7 +119,7 @@ Done save_pose(Session& session, Arguments& arguments) {
           return Job::Apply([&session, file] { session.tell("wrote " + file); });
         });
       },
-      true);
+      Stops::Never);
   return {};
 }
 
@@ -132,8 +132,9 @@ Done replay_pose(Session& session, Arguments& arguments) {
   if (!in || !std::filesystem::is_regular_file(file, none))
     return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return lay(
-      session, "posing as " + file, [file, text](Posing& posing) { return posing.replay(text, file); }, true);
+  return lay(session, "posing as " + file,
+             [file, text](Posing& posing, const sdk::Task& task) { return posing.replay(text, file, task); },
+             {.lets_go = true, .stops = Stops::ByItself});
 }
 
 Done bake(Session& session, Arguments& arguments) {

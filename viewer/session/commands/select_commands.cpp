@@ -324,7 +324,8 @@ Done step(Session& session, Arguments& arguments, bool (sdk::Selection::*of_sele
   const auto model = session.active_mesh();
   if (!model) return tl::unexpected(model.error());
   if ((*model)->posing && session.panel != Panel::Select)
-    return lay(session, "taking a step back or forward", of_posing, true);
+    return lay(session, "taking a step back or forward",
+               [of_posing](Posing& posing, const sdk::Task&) { return (posing.*of_posing)(); }, {.lets_go = true});
   if (!((*model)->selecting.selection.*of_selecting)()) return sdk::fail(nothing_left);
   forget_reference(**model);
   return {};

@@ -83,8 +83,8 @@ Done level(Session& session, Arguments& arguments) {
   const std::size_t spheres = arguments.count("spheres", hierarchy.min_spheres(), hierarchy.leaf_count());
   if (auto checked = arguments.check(); !checked) return checked;
   if ((*model)->posing)
-    return lay(
-        session, kLevelTitle, [spheres](Posing& posing) { return posing.go_to(spheres); }, true);
+    return lay(session, kLevelTitle, [spheres](Posing& posing, const sdk::Task&) { return posing.go_to(spheres); },
+               {.lets_go = true});
   std::vector<std::shared_ptr<Model>> slides = {session.models[session.active_model]};
   if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy && !other->posing)
     slides.push_back(session.models[session.beside - 1]);
