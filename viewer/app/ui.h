@@ -89,6 +89,9 @@ void draw_file_dialog(Ui& ui);
 void draw_log(Ui& ui);
 ///@}
 
+/// A level's error as people read it: its mean and its largest distance, in percent of the mesh's diagonal.
+[[nodiscard]] std::string error_words(const LevelErrors& errors, const char* between);
+
 /// Issues the level that the slider came to, as soon as no work holds it up. Call it once a frame, whether the slider
 /// is drawn or not.
 void follow_level(Ui& ui);

@@ -20,8 +20,8 @@ std::shared_ptr<const Pose> Posing::pose() const {
   auto pose = std::make_shared<Pose>();
   pose->mesh = rest_->mesh;
   pose->mesh.positions.assign(session_.positions().begin(), session_.positions().end());
-  pose->shape = session_.shape();
-  for (std::size_t sphere = 0; sphere < pose->shape.spheres.size(); ++sphere)
+  pose->shape = std::make_shared<const sdk::SphereMesh>(session_.shape());
+  for (std::size_t sphere = 0; sphere < pose->shape->spheres.size(); ++sphere)
     pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
   pose->steps = session_.steps();
   return pose;

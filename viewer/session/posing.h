@@ -18,9 +18,9 @@ namespace armature::viewer {
 /// How a mesh that is being deformed lies at some moment.
 struct Pose {
   sdk::Mesh mesh = {};
-  sdk::SphereMesh shape = {};     ///< the spheres of the level
-  std::vector<bool> pinned = {};  ///< by sphere
-  std::size_t steps = 0;          ///< how many there are to undo
+  std::shared_ptr<const sdk::SphereMesh> shape = {};  ///< the spheres of the level
+  std::vector<bool> pinned = {};                      ///< by sphere
+  std::size_t steps = 0;                              ///< how many there are to undo
 };
 
 ///@{

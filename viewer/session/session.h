@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -167,7 +168,8 @@ class Session {
   }
 
  private:
-  void measure_level();
+  void measure_levels();
+  void measure(const std::shared_ptr<Model>& model, bool quick);
   void prepare_tool();
   void clear_out();
   void forget_error(std::string_view command);
@@ -181,9 +183,13 @@ class Session {
   Job measuring_;
   std::vector<std::shared_ptr<const void>> unwanted_;
   Job discarding_;
-  std::weak_ptr<const Model> measured_;  // whose spheres are or were measured last,
-  std::uint64_t measured_revision_ = 0;  // and which of them
-  Time level_since_{0};
+  struct Resting {
+    std::weak_ptr<const Model> model = {};  // whose spheres are seen,
+    std::uint64_t revision = 0;             // which of them,
+    Time since{0};
+  };
+  std::array<Resting, 2> resting_;           // of the active model, and of the one beside it
+  Resting measured_;                         // what is or was measured last
   std::weak_ptr<const MeshShape> prepared_;  // what cutting needs of it is there, or being made
 };
 

@@ -56,7 +56,7 @@ Done handle(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   std::vector<sdk::SphereId> spheres;
-  const std::size_t level = (*model)->pose->shape.spheres.size();
+  const std::size_t level = (*model)->pose->shape->spheres.size();
   while (arguments.left() > 0 && spheres.size() <= level) spheres.emplace_back(arguments.count("sphere", 0, level - 1));
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto checked = sdk::check({.spheres = spheres}, level); !checked && !spheres.empty()) return checked;
@@ -71,7 +71,7 @@ Done moved(Session& session, Arguments& arguments, sdk::SphereMove move) {
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   move.spheres = (*model)->handle;
-  if (auto checked = sdk::check(move, (*model)->pose->shape.spheres.size()); !checked) return checked;
+  if (auto checked = sdk::check(move, (*model)->pose->shape->spheres.size()); !checked) return checked;
   return lay(session, "moving what is held", [move](Posing& posing, const sdk::Task&) { return posing.move(move); });
 }
 
@@ -108,7 +108,7 @@ Done pin(Session& session, Arguments& arguments) {
 }
 
 Done save_pose(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
@@ -124,7 +124,7 @@ Done save_pose(Session& session, Arguments& arguments) {
 }
 
 Done replay_pose(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = posed(session); !model) return tl::unexpected(model.error());
   std::error_code none;
