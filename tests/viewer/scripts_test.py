@@ -251,6 +251,7 @@ class Viewer(unittest.TestCase):
     def test_wrong_use_is_told_in_one_line(self):
         for arguments, code, part in ((["--size", "big"], 2, "WIDTHxHEIGHT"),
                                       (["--size", "640x480junk"], 2, "640x480junk"), (["--nonsense"], 2, "--nonsense"),
+                                      (["--screenshot", "x.jpg"], 2, "ends in .png"),
                                       (["--headless", "--script", "none.txt"], 1, "none.txt"),
                                       (["--headless", "missing.off"], 1, "armature-viewer: missing.off"),
                                       (["--headless", "--script", "."], 1, "is a folder"),

@@ -52,7 +52,10 @@ int main(int argc, char** argv) {
   app.add_option("--script", arguments.script, "carry out the commands of this file, a line each (below)")
       ->type_name("FILE");
   app.add_option("--screenshot", arguments.screenshot, "no window: write what it would show after the script, and end")
-      ->type_name("OUT.png");
+      ->type_name("OUT.png")
+      ->check([](const std::string& file) {
+        return lower_extension(file) == ".png" ? std::string() : file + ": expected a name that ends in .png";
+      });
   app.add_option("--size", arguments.size, "of the window or the picture [1280x800]")
       ->type_name("WxH")
       ->check([](const std::string& text) {

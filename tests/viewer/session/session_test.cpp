@@ -253,9 +253,9 @@ TEST(Scripts, TakeWordsBeforeACommandInAnyOrderAndLinesWithoutWordsForNone) {
 
 TEST(Scripts, EndWhereTheyFailWhateverTheyWaitFor) {
   Session session;
-  EXPECT_EQ(played(session, Script({"open " + as_word(two_files() + "one.off"), "meanwhile wait 0.01 models 7",
+  EXPECT_EQ(played(session, Script({"open " + as_word(two_files() + "one.off"), "meanwhile wait 0.01 panel edit",
                                     "meanwhile panel edit"})),
-            "wait: models is still 0, expected 7");
+            "wait: panel is still look, expected edit");
   EXPECT_EQ(session.panel, Panel::Look);
 }
 
