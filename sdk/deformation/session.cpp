@@ -236,17 +236,31 @@ Expected<void> DeformationSession::pin(std::span<const SphereId> spheres, bool p
   return {};
 }
 
-void DeformationSession::step_over(Step& step, bool forward) {
+void DeformationSession::swap_over(Step& step, bool forward) {
   for (const NodeId node : step.nodes) {
     if (*step.pins == forward)
       pinned_.insert(node);
     else
       pinned_.erase(node);
   }
+  for (std::size_t i = 0; i < step.changed.size(); ++i) std::swap(positions_[step.changed[i].index()], step.others[i]);
+}
+
+/// Goes back to so many steps, and to a level; nothing can be done again of them. Spheres are fitted once.
+void DeformationSession::take_back(std::size_t steps, std::size_t level) {
+  positions_ = level_.mesh().positions;
+  for (; done_.size() > steps; done_.pop_back()) swap_over(done_.back(), false);
+  fits_.clear();
+  std::vector<Vector3d> rest = positions_;
+  level_.set_rest(rest, level_.shape().spheres);
+  show_level(level);
+}
+
+void DeformationSession::step_over(Step& step, bool forward) {
+  positions_ = level_.mesh().positions;
+  swap_over(step, forward);
   if (step.pins) return weigh();
   surface_.reset();
-  positions_ = level_.mesh().positions;
-  for (std::size_t i = 0; i < step.changed.size(); ++i) std::swap(positions_[step.changed[i].index()], step.others[i]);
   fits_.clear();
   std::vector<Vector3d> rest = positions_;
   level_.set_rest(rest, level_.shape().spheres);

@@ -217,18 +217,20 @@ Expected<void> DeformationSession::carry_out(const Line& line) {
   return pin(line.move.move.spheres, false);
 }
 
-Expected<void> DeformationSession::replay(std::string_view text, std::string_view name) {
+Expected<void> DeformationSession::replay(std::string_view text, std::string_view name, const Task& task) {
   cancel();
   const auto lines = lines_of(text, name);
   if (!lines) return tl::unexpected(lines.error());
   const std::size_t before = steps(), level = nodes_.size();
   std::vector<Step> undone = std::exchange(undone_, {});
-  for (const Line& line : *lines) {
-    const auto done = carry_out(line);
+  for (std::size_t i = 0; i < lines->size(); ++i) {
+    const Line& line = (*lines)[i];
+    task.report("moving spheres", static_cast<double>(i) / static_cast<double>(lines->size()));
+    const auto done = task.stopped() ? Expected<void>(cancelled()) : carry_out(line);
     if (done) continue;
-    while (steps() > before) undo();
+    take_back(before, level);
     undone_ = std::move(undone);
-    show_level(level);
+    if (done.error().kind == ErrorKind::Cancelled) return done;
     return fail(std::string(name) + ", line " + std::to_string(line.number) + ": " + done.error().message);
   }
   if (steps() == before) undone_ = std::move(undone);

@@ -61,6 +61,8 @@ class Viewer(unittest.TestCase):
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
         (cls.models / "broken.moves").write_text("armature deformation 1\nlevel 8\nmove spheres 0 translate 0 1 0\n"
                                                 "move nothing\n")
+        (cls.models / "long.moves").write_text("armature deformation 1\nlevel 20\n" +
+                                              2000 * "move spheres 3 translate 0 0.01 0\n")
         (cls.models / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n3 0 1 2\n")
 
     @classmethod
@@ -89,6 +91,11 @@ class Viewer(unittest.TestCase):
         deadline = time.monotonic() + 60
         while not is_there() and time.monotonic() < deadline and program.poll() is None:
             time.sleep(0.05)
+
+    def highest(self, name):
+        """The largest y of the vertices of an OFF file."""
+        words = (self.folder / name).read_text().split()
+        return max(float(y) for y in words[5:4 + 3 * int(words[1]):3])
 
     def script(self, name):
         played = self.view("--headless", "--script", HERE / "scripts" / name)
@@ -125,6 +132,8 @@ class Viewer(unittest.TestCase):
     def test_poses_and_sessions_that_are_played_again(self):
         self.script("pose.txt")
         self.assertEqual((self.folder / "kept.moves").read_bytes(), (self.folder / "pose.moves").read_bytes())
+        self.assertGreater(self.highest("posed.off"), 6)
+        self.assertEqual(self.highest("rest.off"), self.highest("creature.off"))
         first = self.facts((self.folder / "session.txt").read_text().splitlines())
         self.assertEqual(first["spheres"], "12")
         self.assertEqual(first["steps"], "2")
@@ -242,8 +251,10 @@ class Viewer(unittest.TestCase):
     def test_wrong_use_is_told_in_one_line(self):
         for arguments, code, part in ((["--size", "big"], 2, "WIDTHxHEIGHT"),
                                       (["--size", "640x480junk"], 2, "640x480junk"), (["--nonsense"], 2, "--nonsense"),
+                                      (["--screenshot", "x.jpg"], 2, "ends in .png"),
                                       (["--headless", "--script", "none.txt"], 1, "none.txt"),
                                       (["--headless", "missing.off"], 1, "armature-viewer: missing.off"),
+                                      (["--headless", "--script", "."], 1, "is a folder"),
                                       (["--server", "x"], 2, "--keys"),
                                       (["--headless", "--connect", "tcp://127.0.0.1:9", "--keys", "none.key", "--server",
                                         "x"], 1, "none.key")):
@@ -255,6 +266,10 @@ class Viewer(unittest.TestCase):
         done = self.play(["open creature.off", "", "tool hammer"])
         self.assertEqual(done.returncode, 1)
         self.assertIn("script.txt, line 3: tool", done.stderr)
+        done = self.play(["open creature.off", "screenshot nowhere/x.png", "save-session after.txt"])
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("script.txt, line 2: nowhere/x.png", done.stderr)
+        self.assertFalse((self.folder / "after.txt").exists())
 
     def test_a_daemon_that_lets_in_known_keys_alone(self):
         def public_key(file):

@@ -57,8 +57,9 @@ void App::lay_out(int width, int height) {
   }
 }
 
-/// Over a view, as much of it as there is room for.
-void App::draw_name(const Area& area, std::string name) const {
+/// Over a view: a model's name, as much of it as there is room for, and the error of its level.
+void App::draw_name(const Area& area, const Model& model) const {
+  std::string name = model.name;
   const float room = area.size.x - ui_.px(28);
   const auto wide = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
   if (wide(name) > room) {
@@ -70,7 +71,13 @@ void App::draw_name(const Area& area, std::string name) const {
     } while (length > 0 && wide(name.substr(0, length) + "...") > room);
     name = name.substr(0, length) + "...";
   }
-  ImGui::GetBackgroundDrawList()->AddText({area.at.x + ui_.px(14), ui_.px(12)}, theme::kInk, name.c_str());
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImVec2 at{area.at.x + ui_.px(14), ui_.px(12)};
+  draw.AddText(at, theme::kInk, name.c_str());
+  if (!model.mesh || model.posing || !model.spheres || !model.spheres->errors) return;
+  const std::string error = error_words(*model.spheres->errors, ", ");
+  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {at.x, at.y + ImGui::GetTextLineHeightWithSpacing()},
+               theme::kDim, error.c_str(), nullptr, room);
 }
 
 /// Depth in greys, nearer is lighter; whoever steers in the accent's colour.
@@ -140,10 +147,11 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   draw_view_hints(ui_);
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
+  follow_level(ui_);
   lay_out(width, height);  // again: the sidebar may have closed a model
   if (ui_.beside.size.x > 0) {
-    draw_name(ui_.view, session_.models[session_.active_model]->name);
-    draw_name(ui_.beside, session_.other()->name);
+    draw_name(ui_.view, *session_.models[session_.active_model]);
+    draw_name(ui_.beside, *session_.other());
   }
   if (ui_.view.size.y < h) draw_status_bar(ui_, {{0, ui_.view.size.y}, {w, h - ui_.view.size.y}});
   if (ui_.log) draw_log(ui_);

@@ -33,7 +33,7 @@ class App {
  private:
   App(Session& session, float scale, ViewPainter painter);
   void lay_out(int width, int height);
-  void draw_name(const Area& area, std::string name) const;
+  void draw_name(const Area& area, const Model& model) const;
   void update_depth();
   [[nodiscard]] sdk::Expected<void> draw_view(ViewPainter& painter, const std::shared_ptr<const Model>& model,
                                               const Area& area, int height, GLuint framebuffer, bool careful);

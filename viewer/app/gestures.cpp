@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <armature/sdk/selection/boundary.h>
 #include <armature/sdk/selection/patch_brush.h>
@@ -43,7 +44,7 @@ struct Gesture {
   std::shared_ptr<const Follower> follower{};  ///< or none
   Faces shown = {};                            ///< what it has found last
   Job following = {};                          ///< may still be about a gesture before
-  bool selects = false;                        ///< the job that runs is of the gesture before
+  std::shared_ptr<const Outcome> before{};     ///< of the gesture before, while its job runs; or none
   std::vector<Waiting> waiting = {};           ///< for it: what was drawn meanwhile
 };
 
@@ -96,9 +97,8 @@ bool refines(const Gesture& gesture) {
 /// Notices that the gesture before has been selected, or not: then what goes on from it goes, too.
 void settle(Ui& ui) {
   Gesture& gesture = *ui.gesture;
-  if (!gesture.selects || ui.session.job.running()) return;
-  gesture.selects = false;
-  if (!ui.session.job_undone) return;
+  if (!gesture.before || *gesture.before == Outcome::Open) return;
+  if (*std::exchange(gesture.before, nullptr) == Outcome::Done) return;
   const auto kept = std::ranges::find_if(gesture.waiting, [](const Waiting& drawn) { return !drawn.refines; });
   auto lost = kept - gesture.waiting.begin();
   gesture.waiting.erase(gesture.waiting.begin(), kept);
@@ -113,15 +113,15 @@ void settle(Ui& ui) {
 
 /// Issues the command of a gesture now.
 void issue_now(Ui& ui, const std::string& line) {
-  const bool was_running = ui.session.job.running();
+  const auto before = ui.session.job_outcome;
   ui.issue("{}", line);
-  ui.gesture->selects = ui.session.job.running() && !was_running;
+  ui.gesture->before = ui.session.job_outcome == before ? nullptr : ui.session.job_outcome;
 }
 
 /// The same once those of the gestures before are done.
 void issue_gesture_line(Ui& ui, std::string line) {
   Gesture& gesture = *ui.gesture;
-  if (!gesture.selects && gesture.waiting.empty()) return issue_now(ui, line);
+  if (!gesture.before && gesture.waiting.empty()) return issue_now(ui, line);
   gesture.waiting.push_back({std::move(line), gesture.model, ui.session.camera, ui.session.combine, refines(gesture)});
 }
 
@@ -172,7 +172,7 @@ void issue_gesture(Ui& ui, const Gesture& gesture) {
       return;
     case Tool::Lasso: return lasso(ui);
     case Tool::Edge:
-      if (session.models[session.active_model]->selecting.reference.empty() && !gesture.selects)
+      if (session.models[session.active_model]->selecting.reference.empty() && !gesture.before)
         return ui.tell("select a region first; then drag its boundary");
       if (points.size() > 1)
         issue_gesture_line(ui, fmt::format("drag-edge {} {}", words_of(points.front()), words_of(points.back())));
@@ -256,7 +256,7 @@ std::optional<Follower> follower(const Gesture& gesture, const Model& model) {
 bool can_be_followed(const Session& session, const Gesture& gesture) {
   if (gesture.lost) return false;
   if (!session.job.running()) return gesture.waiting.empty();
-  return gesture.selects && gesture.tool != Tool::Edge && std::string_view(gesture.how) == "new";
+  return gesture.before && gesture.tool != Tool::Edge && std::string_view(gesture.how) == "new";
 }
 
 /// Draws on to where the mouse is.
@@ -349,6 +349,11 @@ bool follow_gesture(Ui& ui) {
     const Waiting drawn = std::move(gesture.waiting.front());
     gesture.waiting.erase(gesture.waiting.begin());
     if (ui.session.models.empty() || drawn.model.lock() != ui.session.models[ui.session.active_model]) {
+      ui.tell(gesture.waiting.empty()
+                  ? "another model came up before the stroke could be carried out; draw it again"
+                  : fmt::format("another model came up before {} strokes could be carried out; draw "
+                                "them again",
+                                gesture.waiting.size() + 1));
       gesture.waiting.clear();
     } else {
       issue_waiting(ui, drawn);

@@ -53,8 +53,8 @@ float distance(const ImVec2& a, const ImVec2& b) {
 sdk::Sphere held(const Model& model) {
   sdk::Sphere middle{Vector3d::Zero(), 0};
   for (const sdk::SphereId id : model.handle) {
-    middle.centre += model.spheres->shape.sphere(id).centre;
-    middle.radius += model.spheres->shape.sphere(id).radius;
+    middle.centre += model.spheres->shape->sphere(id).centre;
+    middle.radius += model.spheres->shape->sphere(id).radius;
   }
   const auto count = static_cast<double>(model.handle.size());
   return {middle.centre / count, middle.radius / count};
@@ -157,7 +157,7 @@ bool handle_gizmo(Ui& ui, bool over) {
   if (session.job.running()) return drag.grip != Grip::None;
 
   for (const sdk::SphereId id : model.handle) {
-    const sdk::Sphere& sphere = model.spheres->shape.sphere(id);
+    const sdk::Sphere& sphere = model.spheres->shape->sphere(id);
     draw.AddCircleFilled(pixel(ui, sphere.centre), ui.px(6), theme::kAccent);
   }
   if (!model.handle.empty()) {

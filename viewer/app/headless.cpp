@@ -1,5 +1,6 @@
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include <imgui.h>
 
@@ -60,16 +61,19 @@ sdk::Expected<void> run_headless(Session& session, Script script, const RunOptio
     return photograph(studio->app(), session, request, request.size.value_or(options.size));
   };
   session.aspect = static_cast<double>(options.size.width) / options.size.height;
+  Script all;
+  for (const std::string& file : options.files) all.append(Script({"open " + as_word(file)}));
+  all.append(std::move(script));
   for (;;) {
     if (interrupted()) return sdk::fail("interrupted");
     session.update(Clock::now() - start);
-    if (auto stepped = script.step(session); !stepped) return stepped;
+    if (auto stepped = all.step(session); !stepped) return stepped;
     if (session.picture) {
-      if (auto taken = take(*session.picture); !taken) return taken;
-      session.picture.reset();
+      const PictureRequest request = *std::exchange(session.picture, std::nullopt);
+      if (const auto taken = take(request); !taken) session.tell_failure(request.origin, taken.error().message);
       continue;
     }
-    if (script.done(session) || session.quit) break;
+    if (all.done(session) || session.quit) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
   }
   if (session.failure) return sdk::fail(*session.failure);

@@ -21,10 +21,10 @@ struct Options {
 };
 
 armature::sdk::Expected<void> run(const Options& arguments) {
-  RunOptions options{.scale = static_cast<float>(arguments.scale), .screenshot = arguments.screenshot};
+  RunOptions options{
+      .scale = static_cast<float>(arguments.scale), .files = arguments.files, .screenshot = arguments.screenshot};
   if (!arguments.size.empty()) options.size = *parse_size(arguments.size);  // it was checked
   std::vector<std::string> lines;
-  for (const std::string& file : arguments.files) lines.push_back("open " + as_word(file));
   if (!arguments.connect.empty()) {
     lines.push_back("connect " + as_word(arguments.connect));
     if (!arguments.keys.empty())
@@ -32,7 +32,7 @@ armature::sdk::Expected<void> run(const Options& arguments) {
   }
   if (arguments.person) lines.emplace_back("person");
   Session session;
-  Script script(std::move(lines));
+  Script script(lines);
   if (!arguments.script.empty()) {
     auto read = Script::read(arguments.script);
     if (!read) return armature::sdk::fail(read.error().message);
@@ -52,7 +52,10 @@ int main(int argc, char** argv) {
   app.add_option("--script", arguments.script, "carry out the commands of this file, a line each (below)")
       ->type_name("FILE");
   app.add_option("--screenshot", arguments.screenshot, "no window: write what it would show after the script, and end")
-      ->type_name("OUT.png");
+      ->type_name("OUT.png")
+      ->check([](const std::string& file) {
+        return lower_extension(file) == ".png" ? std::string() : file + ": expected a name that ends in .png";
+      });
   app.add_option("--size", arguments.size, "of the window or the picture [1280x800]")
       ->type_name("WxH")
       ->check([](const std::string& text) {
@@ -74,7 +77,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", ARMATURE_VERSION);
   app.footer(
       "Commands, in scripts and in the log of the window:\n" + list_of_commands() +
-      "\nA line that begins with `try` may fail; one that begins with `meanwhile` does not wait for the work of those "
+      "\nBefore its command a line may say `try`: it may fail; and `meanwhile`: it does not wait for the work of those "
       "before it. # begins a comment.\n\n"
       "Examples:\n"
       "  armature-viewer creature.off\n"

@@ -36,16 +36,16 @@ void SpheresDrawing::follow(const std::shared_ptr<const Model>& model, SpheresLo
   if (auto sent = take_sent()) show(std::move(sent->front()), asked_);
   if (drawing_ && key_ == key) return;
   if (drawing_ && key_.model != key.model) clear();
-  const sdk::SphereMesh& shape = model->spheres->shape;
-  if (at_once || shape.spheres.size() <= most_at_once_) {
+  const auto& shape = model->spheres->shape;
+  if (at_once || shape->spheres.size() <= most_at_once_) {
     rest();
-    return show(Drawing(scene_of(model->around(), shape, look)), key);
+    return show(Drawing(scene_of(model->around(), *shape, look)), key);
   }
   if (making() || (failed_ && asked_ == key)) return;
   failed_ = false;
   asked_ = key;
   making_.start("drawing", [this, frame = model->around(), shape, look](const sdk::Task&) {
-    auto scene = std::make_shared<const Scene>(scene_of(frame, shape, look));
+    auto scene = std::make_shared<const Scene>(scene_of(frame, *shape, look));
     return sdk::Expected<Job::Apply>([this, scene] { sending_.emplace_back(scene); });
   });
 }

@@ -33,7 +33,7 @@ struct GizmoDrag;
 struct LevelSlide {
   std::weak_ptr<const Model> model = {};
   int wanted = 0;                      ///< spheres
-  bool active = false, waits = false;  ///< whether the mouse holds it; whether the level has not been begun yet
+  bool active = false, waits = false;  ///< whether the mouse holds it; whether `follow_level()` is to issue it
 };
 
 /// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
@@ -88,6 +88,13 @@ void draw_view_hints(Ui& ui);
 void draw_file_dialog(Ui& ui);
 void draw_log(Ui& ui);
 ///@}
+
+/// A level's error as people read it: its mean and its largest distance, in percent of the mesh's diagonal.
+[[nodiscard]] std::string error_words(const LevelErrors& errors, const char* between);
+
+/// Issues the level that the slider came to, as soon as no work holds it up. Call it once a frame, whether the slider
+/// is drawn or not.
+void follow_level(Ui& ui);
 
 /// Turns what the mouse and the keys do in the view into commands.
 void handle_input(Ui& ui);

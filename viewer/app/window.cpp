@@ -77,7 +77,7 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
   float scale = options.scale;
   if (!(scale > 0)) glfwGetWindowContentScale(w.window, &scale, nullptr);
   w.imgui = ImGui::CreateContext();
-  Playlist playlist(std::move(script));
+  Playlist playlist(options.files, std::move(script));
   glfwSetWindowUserPointer(w.window, &playlist);
   glfwSetDropCallback(w.window, on_drop);
   w.backend = ImGui_ImplGlfw_InitForOpenGL(w.window, true);
@@ -96,23 +96,27 @@ sdk::Expected<void> run_window(Session& session, Script script, const RunOptions
     const auto begun = std::chrono::steady_clock::now();
     const Session::Time spent_before = spent();
     session.update(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * glfwGetTime())));
-    playlist.step(session);
     int width = 0, height = 0;
     glfwGetFramebufferSize(w.window, &width, &height);
-    if (width < 16 || height < 16) {  // minimised
+    const bool minimised = width < 16 || height < 16;
+    if (!minimised) {
+      ImGui_ImplOpenGL3_NewFrame();
+      ImGui_ImplGlfw_NewFrame();
+      if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
+    }
+    // After the strokes that wait, which are of the model that a file may take the place of.
+    playlist.step(session);
+    if (minimised) {
       glfwWaitEventsTimeout(1.0 / 60);
       continue;
     }
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
-    if (auto drawn = w.app->draw(width, height, 0, false); !drawn) return drawn;
     session.longest_frame = std::max<Session::Time>(session.longest_frame, std::chrono::steady_clock::now() - begun);
     session.longest_work = std::max(session.longest_work, spent() - spent_before);
     glfwSwapBuffers(w.window);
     if (session.picture) {
       const PictureRequest request = *std::exchange(session.picture, std::nullopt);
       const auto taken = photograph(*w.app, session, request, request.size.value_or(PictureSize{width, height}));
-      if (!taken) session.tell(taken.error().message, true);
+      if (!taken) session.tell_failure(request.origin, taken.error().message);
     }
   }
   return {};

@@ -68,6 +68,12 @@ std::string Arguments::word(std::string_view what) {
   return words_[next_++];
 }
 
+std::string Arguments::file() {
+  std::string name = word("file");
+  if (name.empty()) complain("file", "a name", as_word(name));
+  return name;
+}
+
 double Arguments::number(std::string_view what, double least, double most) {
   const std::string expected = most < 1e300 ? fmt::format("a number from {:g} to {:g}", least, most) : "a number";
   if (left() == 0) {

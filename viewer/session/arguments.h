@@ -35,6 +35,8 @@ class Arguments {
   [[nodiscard]] std::size_t left() const noexcept { return words_.size() - next_; }
 
   std::string word(std::string_view what);
+  /// A word that can name a file: not an empty one.
+  std::string file();
   /// A finite number in [least, most].
   double number(std::string_view what, double least = -1e300, double most = 1e300);
   /// A whole number in [least, most].

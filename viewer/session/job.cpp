@@ -10,9 +10,9 @@ Job::~Job() {
   cancel();
 }
 
-void Job::start(std::string title, Work work, bool whole) {
+void Job::start(std::string title, Work work, Stops stops) {
   title_ = std::move(title);
-  whole_ = whole;
+  stops_ = stops;
   state_ = std::make_shared<State>();
   thread_ = std::jthread([state = state_, work = std::move(work)](const std::stop_token& stop) {
     const sdk::Task task{.stop = stop, .progress = [&](std::string_view stage, double fraction) {
@@ -48,7 +48,7 @@ std::optional<sdk::Expected<void>> Job::poll() {
     const std::lock_guard lock(state_->mutex);
     if (!state_->result) return std::nullopt;
   }
-  const bool cancelled = !whole_ && thread_.get_stop_token().stop_requested();
+  const bool cancelled = stops_ == Stops::Anywhere && thread_.get_stop_token().stop_requested();
   thread_.join();
   const sdk::Expected<Apply> result = std::move(*std::exchange(state_, nullptr)->result);
   if (cancelled) return sdk::cancelled();  // also where the work was done before it could notice

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -11,6 +12,13 @@
 #include <armature/sdk/task.h>
 
 namespace armature::viewer {
+
+/// What becomes of work that somebody cancels.
+enum class Stops : std::uint8_t {
+  Anywhere,  ///< nothing: what it hands back is dropped
+  ByItself,  ///< it changes things as it goes on, and puts them back where it ends as a failure of kind Cancelled
+  Never,     ///< the same, but it can only be done
+};
 
 /// How far a job has come.
 struct JobProgress {
@@ -34,12 +42,13 @@ class Job {
   [[nodiscard]] bool running() const noexcept { return state_ != nullptr; }
   [[nodiscard]] const std::string& title() const noexcept { return title_; }
   /// Whether it is work that cannot be cancelled.
-  [[nodiscard]] bool whole() const noexcept { return whole_; }
+  [[nodiscard]] bool whole() const noexcept { return stops_ == Stops::Never; }
   [[nodiscard]] JobProgress progress() const;
 
-  /// None may be running. Work that is whole changes things as it goes on: it is not cancelled.
-  void start(std::string title, Work work, bool whole = false);
-  /// Asks the work to stop; unless it is whole, it ends as a failure of kind Cancelled.
+  /// None may be running.
+  void start(std::string title, Work work, Stops stops = Stops::Anywhere);
+  /// Asks the work to stop, which then ends as a failure of kind Cancelled, unless it is whole, or stops by itself and
+  /// was done before.
   void cancel();
   /// Once the work has ended: applies its changes, or tells why there are none. Nothing while it runs.
   [[nodiscard]] std::optional<sdk::Expected<void>> poll();
@@ -53,7 +62,7 @@ class Job {
     std::optional<sdk::Expected<Apply>> result;
   };
   std::string title_;
-  bool whole_ = false;
+  Stops stops_ = Stops::Anywhere;
   std::shared_ptr<State> state_;  // or none
   std::jthread thread_;
 };

@@ -1,6 +1,7 @@
 #include "viewer/session/model.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/io/read_mesh.h>
@@ -67,7 +68,7 @@ sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfaceP
   return {.from = from, .to = to, .reach = std::max(3 * way, 0.03 * surface.diagonal), .snap = snap * surface.diagonal};
 }
 
-void SphereShape::show(sdk::SphereMesh other) {
+void SphereShape::show(std::shared_ptr<const sdk::SphereMesh> other) {
   shape = std::move(other);
   changed();
 }
@@ -80,7 +81,7 @@ void SphereShape::changed() {
 
 void Model::go_to(std::size_t count) {
   spheres->cursor->go_to(count);
-  set_refined(spheres->cursor->sphere_mesh());
+  set_refined(std::make_shared<const sdk::SphereMesh>(spheres->cursor->sphere_mesh()));
 }
 
 void Model::go_to(Level& level) {
@@ -94,18 +95,18 @@ void Model::go_to(Level& level) {
 Level make_level(const sdk::LevelCursor& from, std::size_t spheres) {
   sdk::LevelCursor cursor = from;
   cursor.go_to(spheres);
-  sdk::SphereMesh shape = cursor.sphere_mesh();
-  sdk::SphereMeshTree tree(shape);
+  auto shape = std::make_shared<const sdk::SphereMesh>(cursor.sphere_mesh());
+  sdk::SphereMeshTree tree(*shape);
   return {std::move(cursor), std::move(shape), std::move(tree)};
 }
 
 void Model::set_spheres(sdk::SphereMesh shape) {
   spheres.emplace();
-  spheres->shape = std::move(shape);
+  spheres->shape = std::make_shared<const sdk::SphereMesh>(std::move(shape));
   ++spheres_revision;
 }
 
-void Model::set_refined(sdk::SphereMesh shape) {
+void Model::set_refined(std::shared_ptr<const sdk::SphereMesh> shape) {
   spheres->show(std::move(shape));
   ++spheres_revision;
 }
@@ -114,7 +115,7 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   spheres.emplace();
   spheres->cursor.emplace(*hierarchy, std::clamp(count, hierarchy->min_spheres(), hierarchy->leaf_count()));
   spheres->hierarchy = std::move(hierarchy);
-  spheres->shape = spheres->cursor->sphere_mesh();
+  spheres->shape = std::make_shared<const sdk::SphereMesh>(spheres->cursor->sphere_mesh());
   ++spheres_revision;
 }
 
@@ -145,15 +146,22 @@ const sdk::Mesh& Model::shown_mesh() const {
 }
 
 sdk::Sphere Model::around() const {
-  return mesh ? mesh->around : spheres ? sphere_around(spheres->shape) : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
+  return mesh ? mesh->around : spheres ? sphere_around(*spheres->shape) : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
 }
 
 const sdk::SphereMeshTree& Model::sphere_tree() {
-  if (!spheres->tree) spheres->tree.emplace(spheres->shape);
+  if (!spheres->tree) spheres->tree.emplace(*spheres->shape);
   return *spheres->tree;
 }
 
 sdk::Expected<std::shared_ptr<Model>> read_model(const std::filesystem::path& path, const sdk::Task& task) {
+  constexpr const char* kFormats =
+      "a mesh (.off, .obj, .ply, .stl or what assimp reads), a sphere-mesh (.ma, .ply) or a hierarchy (.smh)";
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none))
+    return sdk::fail(path.string() + ": is a folder; expected " + kFormats);
+  if (std::filesystem::exists(path, none) && !path.has_extension())
+    return sdk::fail(path.string() + ": has no extension to tell its format; expected " + kFormats);
   auto model = std::make_shared<Model>();
   model->name = path.stem().string();
   model->path = path;
@@ -188,13 +196,13 @@ sdk::Expected<void> write_model(const Model& model, const std::filesystem::path&
       extension == ".ma" || extension == ".urdf" || (extension == ".ply" && (spheres || !model.mesh));
   if (as_spheres) {
     if (!model.spheres) return lacks("sphere-mesh");
-    return sdk::write_sphere_mesh(model.spheres->shape, path);
+    return sdk::write_sphere_mesh(*model.spheres->shape, path);
   }
   if (extension != ".obj" && extension != ".off" && extension != ".ply")
     return sdk::fail(path.string() + ": expected a name that ends in .obj, .off, .ply, .ma, .urdf or .smh");
   if (!model.mesh) return lacks("mesh");
   if (model.editing.tried) return sdk::fail("keep the edit that is shown, or drop it, before the mesh is written");
-  return sdk::write_mesh(model.mesh->mesh, path);
+  return sdk::write_mesh(model.shown_mesh(), path);
 }
 
 }  // namespace armature::viewer

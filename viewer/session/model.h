@@ -56,12 +56,12 @@ struct LevelErrors : sdk::ApproximationErrors {
 struct SphereShape {
   std::shared_ptr<const sdk::Hierarchy> hierarchy;  ///< or none
   std::optional<sdk::LevelCursor> cursor;           ///< where there is a hierarchy
-  sdk::SphereMesh shape;
-  std::optional<sdk::SphereMeshTree> tree;  ///< of `shape`, made when it is first asked for
-  std::optional<LevelErrors> errors;        ///< of `shape` against the mesh, once they are measured
-  std::string unmeasured;                   ///< why that cannot be done
+  std::shared_ptr<const sdk::SphereMesh> shape;     ///< never none; jobs may share it
+  std::optional<sdk::SphereMeshTree> tree;          ///< of `shape`, made when it is first asked for
+  std::optional<LevelErrors> errors;                ///< of `shape` against the mesh, once they are measured
+  std::string unmeasured;                           ///< why that cannot be done
   /// Shows another shape.
-  void show(sdk::SphereMesh other);
+  void show(std::shared_ptr<const sdk::SphereMesh> other);
   /// What was found out about the shape before counts no longer.
   void changed();
 };
@@ -69,7 +69,7 @@ struct SphereShape {
 /// A level that is made apart from what is shown, and the way there.
 struct Level {
   sdk::LevelCursor cursor;
-  sdk::SphereMesh shape;
+  std::shared_ptr<const sdk::SphereMesh> shape;
   sdk::SphereMeshTree tree;
 };
 /// A level of a hierarchy. Takes as long as copying the cursor, which nobody may move meanwhile, and longer.
@@ -123,7 +123,7 @@ struct Model {
   /// Replaces the sphere-mesh; the hierarchy goes.
   void set_spheres(sdk::SphereMesh shape);
   /// Replaces the level that is shown; the hierarchy stays, and its next level comes from there.
-  void set_refined(sdk::SphereMesh shape);
+  void set_refined(std::shared_ptr<const sdk::SphereMesh> shape);
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
   /// Has no spheres any more; what they were, which may take a while to go, or none.
   std::shared_ptr<const void> take_spheres();
@@ -148,7 +148,8 @@ struct Model {
                                                                const sdk::Task& task);
 
 /// The model's sphere-mesh (.ma, .urdf, .ply), hierarchy (.smh) or mesh (.obj, .off, .ply), by the extension. A .ply
-/// file gets the spheres where `spheres` says so.
+/// file gets the spheres where `spheres` says so. Mesh and spheres are written as they are shown, posed; a hierarchy is
+/// that of the mesh at rest. Fails while an edit is tried.
 [[nodiscard]] sdk::Expected<void> write_model(const Model& model, const std::filesystem::path& path, bool spheres);
 
 }  // namespace armature::viewer

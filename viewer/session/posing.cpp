@@ -20,8 +20,8 @@ std::shared_ptr<const Pose> Posing::pose() const {
   auto pose = std::make_shared<Pose>();
   pose->mesh = rest_->mesh;
   pose->mesh.positions.assign(session_.positions().begin(), session_.positions().end());
-  pose->shape = session_.shape();
-  for (std::size_t sphere = 0; sphere < pose->shape.spheres.size(); ++sphere)
+  pose->shape = std::make_shared<const sdk::SphereMesh>(session_.shape());
+  for (std::size_t sphere = 0; sphere < pose->shape->spheres.size(); ++sphere)
     pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
   pose->steps = session_.steps();
   return pose;
@@ -60,36 +60,34 @@ Posing::Laid Posing::pin(std::span<const sdk::SphereId> spheres, bool pinned) {
   return after([&] { return session_.pin(spheres, pinned); });
 }
 
-Posing::Laid Posing::replay(std::string_view text, std::string_view name) {
-  return after([&] { return session_.replay(text, name); });
+Posing::Laid Posing::replay(std::string_view text, std::string_view name, const sdk::Task& task) {
+  return after([&] { return session_.replay(text, name, task); });
 }
 
 Posing::Laid Posing::undo() {
-  return after([&]() -> sdk::Expected<void> {
-    return session_.undo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
-  });
+  return after(
+      [&]() -> sdk::Expected<void> { return session_.undo() ? sdk::Expected<void>() : sdk::fail(kNothingToUndo); });
 }
 
 Posing::Laid Posing::redo() {
-  return after([&]() -> sdk::Expected<void> {
-    return session_.redo() ? sdk::Expected<void>() : sdk::fail("there is nothing left to go to");
-  });
+  return after(
+      [&]() -> sdk::Expected<void> { return session_.redo() ? sdk::Expected<void>() : sdk::fail(kNothingToRedo); });
 }
 
-sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
-                        bool lets_go) {
+sdk::Expected<void> lay(Session& session, std::string title,
+                        std::function<Posing::Laid(Posing&, const sdk::Task&)> change, const Laying& laying) {
   session.start(
       std::move(title),
-      [change = std::move(change), lets_go,
-       model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-        auto laid = change(*model->posing);
+      [change = std::move(change), lets_go = laying.lets_go,
+       model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+        auto laid = change(*model->posing, task);
         if (!laid) return tl::unexpected(laid.error());
         return Job::Apply([model, lets_go, pose = std::move(*laid)] {
           if (lets_go) model->handle.clear();
           model->lay(pose);
         });
       },
-      true);
+      laying.stops);
   return {};
 }
 

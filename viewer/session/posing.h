@@ -18,10 +18,16 @@ namespace armature::viewer {
 /// How a mesh that is being deformed lies at some moment.
 struct Pose {
   sdk::Mesh mesh = {};
-  sdk::SphereMesh shape = {};     ///< the spheres of the level
-  std::vector<bool> pinned = {};  ///< by sphere
-  std::size_t steps = 0;          ///< how many there are to undo
+  std::shared_ptr<const sdk::SphereMesh> shape = {};  ///< the spheres of the level
+  std::vector<bool> pinned = {};                      ///< by sphere
+  std::size_t steps = 0;                              ///< how many there are to undo
 };
+
+///@{
+/// What there is to say where no step is left.
+inline constexpr const char* kNothingToUndo = "there is nothing to undo";
+inline constexpr const char* kNothingToRedo = "there is nothing to redo";
+///@}
 
 /// A mesh that is being deformed by the spheres of its hierarchy: the sdk's session and what it needs to live. What
 /// changes it takes long where the mesh is large, so jobs do it; each returns how the mesh then lies. Thread-safe: one
@@ -42,7 +48,7 @@ class Posing {
   [[nodiscard]] Laid preview(const sdk::SphereMove& move);
   [[nodiscard]] Laid go_to(std::size_t spheres);
   [[nodiscard]] Laid pin(std::span<const sdk::SphereId> spheres, bool pinned);
-  [[nodiscard]] Laid replay(std::string_view text, std::string_view name);
+  [[nodiscard]] Laid replay(std::string_view text, std::string_view name, const sdk::Task& task);
   [[nodiscard]] Laid undo();
   [[nodiscard]] Laid redo();
   ///@}
@@ -63,8 +69,13 @@ class Posing {
   sdk::DeformationSession session_;  // refers to both
 };
 
-/// Starts a job that changes how the active model lies, which must be posed; `lets_go`: nothing is held afterwards.
-sdk::Expected<void> lay(Session& session, std::string title, std::function<Posing::Laid(Posing&)> change,
-                        bool lets_go = false);
+/// What else there is to a change of how a model lies.
+struct Laying {
+  bool lets_go = false;        ///< nothing is held afterwards
+  Stops stops = Stops::Never;  ///< as the change does
+};
+/// Starts a job that changes how the active model lies, which must be posed.
+sdk::Expected<void> lay(Session& session, std::string title,
+                        std::function<Posing::Laid(Posing&, const sdk::Task&)> change, const Laying& laying = {});
 
 }  // namespace armature::viewer

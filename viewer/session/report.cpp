@@ -13,6 +13,15 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
+void report_errors(const SphereShape& spheres, const std::string& before, std::map<std::string, std::string>& facts) {
+  if (!spheres.unmeasured.empty()) facts[before + "unmeasured"] = spheres.unmeasured;
+  if (const auto& errors = spheres.errors) {
+    facts[before + "measured"] = errors->about ? "quickly" : "in full";
+    facts[before + "hausdorff_percent"] = fmt::format("{:.4g}", errors->hausdorff);
+    facts[before + "mean_percent"] = fmt::format("{:.4g}", errors->mean_input_to_approximation);
+  }
+}
+
 void report_model(const Model& model, std::map<std::string, std::string>& facts) {
   facts["model"] = model.name;
   if (model.mesh) {
@@ -20,16 +29,11 @@ void report_model(const Model& model, std::map<std::string, std::string>& facts)
     facts["vertices"] = std::to_string(model.mesh->mesh.positions.size());
   }
   if (model.spheres) {
-    const sdk::SphereMesh& shape = model.spheres->shape;
+    const sdk::SphereMesh& shape = *model.spheres->shape;
     facts["spheres"] = std::to_string(shape.spheres.size());
     facts["edges"] = std::to_string(shape.edges.size());
     facts["triangles"] = std::to_string(shape.triangles.size());
-    if (!model.spheres->unmeasured.empty()) facts["unmeasured"] = model.spheres->unmeasured;
-    if (const auto& errors = model.spheres->errors) {
-      facts["measured"] = errors->about ? "quickly" : "in full";
-      facts["hausdorff_percent"] = fmt::format("{:.4g}", errors->hausdorff);
-      facts["mean_percent"] = fmt::format("{:.4g}", errors->mean_input_to_approximation);
-    }
+    report_errors(*model.spheres, "", facts);
   }
   if (model.posing) {
     facts["held"] = std::to_string(model.handle.size());
@@ -116,6 +120,10 @@ std::map<std::string, std::string> Session::report() const {
     if (picked->sphere.valid()) facts["picked.sphere"] = std::to_string(picked->sphere.index());
   }
   if (!models.empty()) report_model(*models[active_model], facts);
+  if (const Model* second = other(); second != nullptr && second->spheres) {
+    facts["beside.spheres"] = std::to_string(second->spheres->shape->spheres.size());
+    report_errors(*second->spheres, "beside.", facts);
+  }
   report_walk(walk, facts);
   return facts;
 }

@@ -1,21 +1,48 @@
 #include "viewer/session/script.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <system_error>
+#include <utility>
 
 namespace armature::viewer {
 
-Script::Script(std::vector<std::string> lines) {
-  for (std::string& line : lines) lines_.push_back({std::move(line), ""});
+Script::Script(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) add(line, "");
 }
 
 sdk::Expected<Script> Script::read(const std::filesystem::path& path) {
+  constexpr const char* kExpected = "expected a file of commands, one a line";
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) return sdk::fail(path.string() + ": is a folder; " + kExpected);
   std::ifstream file(path);
-  if (!file) return sdk::fail(path.string() + ": cannot be read; expected a file of commands, one a line");
+  if (!file) return sdk::fail(path.string() + ": cannot be read; " + kExpected);
   Script script;
+  std::size_t number = 0;
   for (std::string line; std::getline(file, line);)
-    script.lines_.push_back({line, path.string() + ", line " + std::to_string(script.lines_.size() + 1) + ": "});
+    script.add(line, path.string() + ", line " + std::to_string(++number) + ": ");
   return script;
+}
+
+void Script::add(std::string_view text, std::string place) {
+  constexpr std::string_view kBlanks = " \t\r";
+  Line line{.text = {}, .place = std::move(place)};
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+    const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    if (word == "meanwhile") {
+      line.waits = false;
+    } else if (word == "try") {
+      line.may_fail = true;
+    } else {
+      break;
+    }
+    text.remove_prefix(word.size());
+  }
+  if (text.empty() || text.front() == '#') return;
+  line.text = text;
+  lines_.push_back(std::move(line));
 }
 
 void Script::append(Script other) {
@@ -26,36 +53,52 @@ void Script::append(Script other) {
 sdk::Expected<void> Script::step(Session& session) {
   while (!session.picture && !session.quit) {
     if (session.failure) return sdk::fail(*session.failure);
-    std::string_view text = next_ < lines_.size() ? lines_[next_].text : std::string_view();
-    const auto begins_with = [&text](std::string_view word) {
-      if (!text.starts_with(word)) return false;
-      text.remove_prefix(word.size());
-      return true;
-    };
-    if (begins_with("meanwhile ") ? session.waits() : session.busy()) return {};
-    session.waiting = nullptr;  // what was waited for has come
-    if (next_ == lines_.size()) return {};
-    session.origin = {.place = lines_[next_++].place, .may_fail = begins_with("try ")};
-    static_cast<void>(session.execute(text));
+    if (begun()) return {};
+    const Line& line = lines_[next_];
+    if (line.waits ? session.busy() : session.waits()) return {};
+    ++next_;
+    session.origin = {.place = line.place, .may_fail = line.may_fail};
+    static_cast<void>(session.execute(line.text));
     session.origin = {};
   }
   return {};
 }
 
-void Playlist::drop(const std::string& file) {
-  dropped_.append(Script({"try open " + as_word(file)}));
+void FileList::add(const std::string& file) {
+  script_.append(Script({"try open " + as_word(file)}));
+}
+
+void FileList::step(Session& session) {
+  if (!opening_) {
+    if (script_.begun()) return;
+    opening_ = true;
+    failures_ = session.failures;
+  }
+  if (session.failures != failures_) {
+    failures_ = session.failures;
+    failed_ += (failed_.empty() ? "" : "; ") + session.notice;
+  }
+  static_cast<void>(script_.step(session));
+  if (!script_.done(session)) return;
+  opening_ = false;
+  // The next one that could be opened has taken away what was told.
+  if (!failed_.empty()) session.tell(std::exchange(failed_, {}), true);
+}
+
+Playlist::Playlist(const std::vector<std::string>& files, Script script) : script_(std::move(script)) {
+  for (const std::string& file : files) files_.add(file);
 }
 
 void Playlist::step(Session& session) {
-  if (!script_.done(session)) {
-    const auto stepped = script_.step(session);
-    if (stepped) return;
+  files_.step(session);
+  if (!files_.done(session)) return;
+  if (const auto stepped = script_.step(session); !stepped) {
     session.tell(stepped.error().message, true);
     script_ = Script();
   }
-  // What somebody does by hand has been told where it failed.
-  session.failure.reset();
-  if (!dropped_.done(session)) static_cast<void>(dropped_.step(session));
+  if (!script_.done(session)) return;
+  session.failure.reset();  // it has been told
+  dropped_.step(session);
 }
 
 }  // namespace armature::viewer

@@ -25,14 +25,26 @@ bool replaces_itself(std::string_view name) {
          name == "edit" || name == "transfer";
 }
 
+std::string_view first_word(std::string_view line) {
+  return line.substr(0, line.find(' '));
+}
+
+/// Whether nothing is left of what a line did once another has been carried out right after it: that is the same
+/// command, with as many arguments (a camera may keep where it stands).
+bool replaces(std::string_view line, std::string_view before) {
+  return replaces_itself(first_word(line)) && first_word(line) == first_word(before) &&
+         std::ranges::count(line, ' ') >= std::ranges::count(before, ' ');
+}
+
+/// Whether a model's level is an approximation that can be measured.
+bool has_error(const Model* model) {
+  return model != nullptr && model->mesh && !model->posing && model->spheres && !model->spheres->shape->spheres.empty();
+}
+
 /// Waiting and expecting are no actions: the log leaves them out.
 bool is_about_scripts(const Command& command) {
   const auto commands = script_commands();
   return &command >= commands.data() && &command < commands.data() + commands.size();
-}
-
-std::string_view first_word(std::string_view line) {
-  return line.substr(0, line.find(' '));
 }
 
 }  // namespace
@@ -85,23 +97,25 @@ sdk::Expected<void> Session::execute(std::string_view line) {
   forget_error(name);
   // What a job began with stays before it.
   const std::size_t first = job.running() ? pending_at_ : 0;
-  if (log_.size() > first && replaces_itself(name) && first_word(log_.back()) == name) log_.pop_back();
+  if (log_.size() > first && replaces(line_, log_.back())) log_.pop_back();
   log_.push_back(line_);
   return {};
 }
 
-void Session::start(std::string title, Job::Work work, bool whole) {
-  job.start(std::move(title), std::move(work), whole);
+void Session::start(std::string title, Job::Work work, Stops stops) {
+  job_outcome = pending_outcome_ = std::make_shared<Outcome>(Outcome::Open);
+  job.start(std::move(title), std::move(work), stops);
 }
 
 void Session::take_job() {
   const auto done = job.poll();
   if (!done) return;
-  job_undone = !*done;
+  if (pending_outcome_) *pending_outcome_ = *done ? Outcome::Done : Outcome::Undone;
   if (*done) {
-    const std::string_view name = first_word(pending_line_);
-    forget_error(name);
-    if (pending_at_ > 0 && replaces_itself(name) && first_word(log_[pending_at_ - 1]) == name)
+    forget_error(first_word(pending_line_));
+    // What was done meanwhile was done before this had its effect.
+    for (std::size_t i = pending_at_; i < log_.size(); ++i) log_[i] = "meanwhile " + log_[i];
+    if (pending_at_ > 0 && replaces(pending_line_, log_[pending_at_ - 1]))
       log_.erase(log_.begin() + static_cast<std::ptrdiff_t>(--pending_at_));
     log_.insert(log_.begin() + static_cast<std::ptrdiff_t>(pending_at_), pending_line_);
   } else if (done->error().kind == sdk::ErrorKind::Cancelled) {
@@ -133,34 +147,49 @@ void Session::update(Time time) {
   bool is_error = false;
   if (auto message = walk.take_message(is_error)) tell(std::move(*message), is_error);
   if (!notice_is_error && now - notice_since > kNoticeStays) notice.clear();
-  measure_level();
+  measure_levels();
   prepare_tool();
-  if (waiting && !job.running() && waiting()) waiting = nullptr;
+  if (waiting && waiting()) waiting = nullptr;
 }
 
-/// Once the level has stood for a moment, its error is measured in the background: quickly, and then in full where that
-/// is a matter of seconds. One at a time, the last one wins.
-void Session::measure_level() {
+/// Once a level that is seen has stood for a moment, its error is measured in the background: quickly, and then in full
+/// where that is a matter of seconds. One at a time, the active model's first; what is not seen any more is not
+/// measured.
+void Session::measure_levels() {
   const auto done = measuring_.poll();
-  if (models.empty()) return;
-  const std::shared_ptr<Model>& model = models[active_model];
-  if (!model->mesh || model->posing || !model->spheres || model->spheres->shape.spheres.empty()) return;
-  if (measured_.lock() != model || model->spheres_revision != measured_revision_) {
-    measured_ = model;
-    measured_revision_ = model->spheres_revision;
-    level_since_ = now;
-    if (measuring_.running()) measuring_.cancel();
-  } else if (done && !*done && done->error().kind != sdk::ErrorKind::Cancelled) {
-    model->spheres->unmeasured = done->error().message;
+  const bool failed = done && !*done && done->error().kind != sdk::ErrorKind::Cancelled;
+  std::array<std::shared_ptr<Model>, 2> seen;
+  if (!models.empty()) seen[0] = models[active_model];
+  if (other() != nullptr) seen[1] = models[beside - 1];
+  bool is_seen = false;  // what is being measured
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!has_error(seen[i].get())) seen[i].reset();
+    const std::uint64_t revision = seen[i] ? seen[i]->spheres_revision : 0;
+    if (resting_[i].model.lock() != seen[i] || resting_[i].revision != revision) resting_[i] = {seen[i], revision, now};
+    if (!seen[i] || measured_.model.lock() != seen[i] || measured_.revision != revision) continue;
+    is_seen = true;
+    if (failed) seen[i]->spheres->unmeasured = done->error().message;
   }
-  if (measuring_.running() || !model->spheres->unmeasured.empty() || now - level_since_ < kLevelRests) return;
-  const bool quick = !model->spheres->errors;
-  if (!quick && (!model->spheres->errors->about || model->spheres->shape.spheres.size() > kMostMeasured)) return;
+  if (!is_seen) measuring_.cancel();
+  if (measuring_.running()) return;
+  for (const bool quick : {true, false}) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (!seen[i] || !seen[i]->spheres->unmeasured.empty() || now - resting_[i].since < kLevelRests) continue;
+      const SphereShape& level = *seen[i]->spheres;
+      const bool is_due = quick ? !level.errors : level.errors->about && level.shape->spheres.size() <= kMostMeasured;
+      if (!is_due) continue;
+      measured_ = resting_[i];
+      return measure(seen[i], quick);
+    }
+  }
+}
+
+void Session::measure(const std::shared_ptr<Model>& model, bool quick) {
   measuring_.start("measuring",
                    [quick, mesh = model->mesh, shape = model->spheres->shape, revision = model->spheres_revision,
                     weak = std::weak_ptr<Model>(model)](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                      const auto errors = sdk::measure(
-                         mesh->mesh, shape, {.samples = quick ? kQuickSamples : kLevelSamples, .quick = quick}, task);
+                         mesh->mesh, *shape, {.samples = quick ? kQuickSamples : kLevelSamples, .quick = quick}, task);
                      if (!errors) return tl::unexpected(errors.error());
                      return Job::Apply([=, found = *errors] {
                        const auto still = weak.lock();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -58,17 +59,21 @@ struct Picked {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the model's coordinates
 };
 
-/// A picture that a script asks for; whoever draws makes it.
-struct PictureRequest {
-  std::string file;
-  std::optional<PictureSize> size = {};  ///< or that of the window
-  int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
-};
+/// How a job has ended, if it has.
+enum class Outcome : std::uint8_t { Open, Done, Undone };
 
 /// Where a line comes from.
 struct Origin {
   std::string place = {};  ///< in a file, with a colon; or empty
-  bool may_fail = false;   ///< that it, or its work, fails does not count
+  bool may_fail = true;    ///< that it, or its work, fails does not count, as of all that is done by hand
+};
+
+/// A picture that a script asks for; whoever draws makes it.
+struct PictureRequest {
+  std::string file = {};
+  std::optional<PictureSize> size = {};  ///< or that of the window
+  int turn = 0;                          ///< instead, so many pictures of a whole turn are timed
+  Origin origin = {};                    ///< of the line that asks for it
 };
 
 /// Everything that is open and how it is seen. It changes by commands alone: lines of text that panels issue, that
@@ -85,13 +90,14 @@ class Session {
   sdk::Expected<void> execute(std::string_view line);
   /// Takes what the background has finished and moves what moves. Call it once a frame.
   void update(Time now);
-  /// The lines that were carried out, in order.
+  /// The lines that were carried out, in order, as a script replays them: what was done while work went on that then
+  /// came to its end is done `meanwhile`.
   [[nodiscard]] const std::vector<std::string>& log() const noexcept { return log_; }
 
   /// Whether work runs in the background that the next line of a script has to wait for.
   [[nodiscard]] bool busy() const { return job.running() || waits(); }
-  /// Whether it has been told to wait, and what for has not come.
-  [[nodiscard]] bool waits() const { return waiting && !waiting(); }
+  /// Whether it has been told to wait, and what for had not come at the last `update()`.
+  [[nodiscard]] bool waits() const { return waiting != nullptr; }
 
   /// The model that commands are about; fails where nothing is open.
   [[nodiscard]] sdk::Expected<Model*> active();
@@ -102,9 +108,8 @@ class Session {
   [[nodiscard]] sdk::Expected<std::shared_ptr<Model>> active_unposed();
   /// nor shown with an edit, so that what is made of it is of what is shown.
   [[nodiscard]] sdk::Expected<std::shared_ptr<Model>> active_at_rest();
-  /// Starts a job in the name of the line that is being carried out; it is logged once the job has succeeded. A job
-  /// that changes a pose or a file by itself is `whole`: it is not cancelled.
-  void start(std::string title, Job::Work work, bool whole = false);
+  /// Starts a job in the name of the line that is being carried out; it is logged once the job has succeeded.
+  void start(std::string title, Job::Work work, Stops stops = Stops::Anywhere);
   /// Opens a model, chooses it and sees all of it.
   void add(std::shared_ptr<Model> model);
   /// A sphere around the models that are shown.
@@ -133,15 +138,16 @@ class Session {
   Walk walk;
 
   Job job;
-  bool job_undone = false;                ///< the last one that ended was cancelled or has failed
+  /// Of the last job that was begun; another one has another. Undone: it was cancelled or has failed.
+  std::shared_ptr<const Outcome> job_outcome;
   Job preparing;                          ///< what the tool in hand will need; nothing waits for it
-  std::function<bool()> waiting;          ///< a script waits until it is true
+  std::function<bool()> waiting;          ///< a script waits until it is true; `update()` asks
   std::optional<PictureRequest> picture;  ///< is to be made; the script waits
   std::string notice;                     ///< the last failure or what to know, for people
   bool notice_is_error = false;
   Time notice_since{0};  ///< what is no error goes after a while
   Origin origin;         ///< of the line that is carried out next
-  /// What of all that may not has failed first, a line or its work or an expectation, after its place.
+  /// What of all that may not has failed first, a script's line or its work or an expectation, after its place.
   std::optional<std::string> failure;
   std::size_t failures = 0;  ///< how many lines have failed, those that may as well
   bool quit = false;
@@ -162,7 +168,8 @@ class Session {
   }
 
  private:
-  void measure_level();
+  void measure_levels();
+  void measure(const std::shared_ptr<Model>& model, bool quick);
   void prepare_tool();
   void clear_out();
   void forget_error(std::string_view command);
@@ -171,13 +178,18 @@ class Session {
   std::vector<std::string> log_;
   std::string line_, pending_line_;  // being carried out; whose job runs
   Origin pending_origin_;            // its
-  std::size_t pending_at_ = 0;       // where that belongs in the log: after what was carried out before it
+  std::shared_ptr<Outcome> pending_outcome_;
+  std::size_t pending_at_ = 0;  // where that belongs in the log: after what was carried out before it
   Job measuring_;
   std::vector<std::shared_ptr<const void>> unwanted_;
   Job discarding_;
-  std::weak_ptr<const Model> measured_;  // whose spheres are or were measured last,
-  std::uint64_t measured_revision_ = 0;  // and which of them
-  Time level_since_{0};
+  struct Resting {
+    std::weak_ptr<const Model> model = {};  // whose spheres are seen,
+    std::uint64_t revision = 0;             // which of them,
+    Time since{0};
+  };
+  std::array<Resting, 2> resting_;           // of the active model, and of the one beside it
+  Resting measured_;                         // what is or was measured last
   std::weak_ptr<const MeshShape> prepared_;  // what cutting needs of it is there, or being made
 };
 

@@ -365,6 +365,24 @@ TEST(DeformationSession, ReplaysAllOfATextOrNothing) {
     EXPECT_EQ(session.text(), text);
     EXPECT_FALSE(session.is_pinned(SphereId(0)));
   }
+  // The same where somebody stops it in the middle.
+  const std::vector<Sphere> spheres = session.shape().spheres;
+  std::stop_source stopper;
+  std::vector<double> told;
+  const auto stopped = session.replay(head + "move spheres 1 translate 0 1 0\n", "s.txt",
+                                      {.stop = stopper.get_token(), .progress = [&](std::string_view, double fraction) {
+                                         told.push_back(fraction);
+                                         if (fraction > 0.7) stopper.request_stop();
+                                       }});
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::Cancelled);
+  EXPECT_EQ(told, (std::vector{0.0, 0.25, 0.5, 0.75}));
+  EXPECT_EQ(positions(session), before);
+  EXPECT_EQ(session.text(), text);
+  for (std::size_t s = 0; s < spheres.size(); ++s) {
+    EXPECT_EQ(session.shape().spheres[s].centre, spheres[s].centre);
+    EXPECT_EQ(session.shape().spheres[s].radius, spheres[s].radius);
+  }
   EXPECT_TRUE(session.redo()) << "what was undone before is still there";
   EXPECT_TRUE(session.undo());
   ASSERT_TRUE(session.replay(head, "s.txt"));

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "viewer/app/gestures.h"
+#include "tests/viewer/app/hands.h"
 #include "viewer/session/posing.h"
 #include "viewer/session/script.h"
 
@@ -15,86 +15,6 @@ namespace armature::viewer {
 namespace {
 
 using Eigen::Vector3d;
-using sdk::VertexId;
-
-/// A ball of radius 1 in so many rings of faces.
-std::shared_ptr<Model> ball(std::size_t rings = 24) {
-  const std::size_t sides = 2 * rings;
-  sdk::Mesh mesh;
-  for (std::size_t ring = 0; ring <= rings; ++ring) {
-    const double polar = std::numbers::pi * static_cast<double>(ring) / static_cast<double>(rings);
-    for (std::size_t side = 0; side < sides; ++side) {
-      const double around = 2 * std::numbers::pi * static_cast<double>(side) / static_cast<double>(sides);
-      mesh.positions.emplace_back(std::sin(polar) * std::sin(around), std::cos(polar),
-                                  std::sin(polar) * std::cos(around));
-    }
-  }
-  const auto vertex = [&](std::size_t ring, std::size_t side) { return VertexId(ring * sides + side % sides); };
-  for (std::size_t ring = 0; ring < rings; ++ring) {
-    for (std::size_t side = 0; side < sides; ++side) {
-      if (ring + 1 < rings)
-        mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side), vertex(ring + 1, side + 1)});
-      if (ring > 0) mesh.triangles.push_back({vertex(ring, side), vertex(ring + 1, side + 1), vertex(ring, side + 1)});
-    }
-  }
-  auto model = std::make_shared<Model>();
-  model->name = "ball";
-  model->mesh = std::make_shared<const MeshShape>(std::move(mesh));
-  return model;
-}
-
-class Hands : public ::testing::Test {
- protected:
-  void SetUp() override {
-    context = ImGui::CreateContext();
-    ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = nullptr;
-    io.DisplaySize = {600, 400};
-    io.DeltaTime = 1.0F / 60;
-    unsigned char* pixels = nullptr;
-    int width = 0, height = 0;
-    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
-    ui.view = {{0, 0}, {600, 400}};
-    session.aspect = 1.5;
-    session.add(ball());
-    frame({300, 200});
-  }
-  void TearDown() override { ImGui::DestroyContext(context); }
-
-  void frame(const ImVec2& mouse) {
-    ImGui::GetIO().MousePos = mouse;
-    ImGui::NewFrame();
-    handle_input(ui);
-    ImGui::EndFrame();
-    while (session.job.running() || ui.following) {
-      session.update(session.now + std::chrono::milliseconds(5));
-      ui.following = follow_gesture(ui);
-    }
-  }
-  /// A frame that takes nothing of what the background has found.
-  void look(const ImVec2& mouse, bool down) {
-    ImGui::GetIO().MouseDown[0] = down;
-    ImGui::GetIO().MousePos = mouse;
-    ImGui::NewFrame();
-    handle_input(ui);
-    ImGui::EndFrame();
-  }
-  /// Presses, moves in steps and lets go.
-  void drag(const ImVec2& from, const ImVec2& by, int button = 0) {
-    frame(from);
-    ImGui::GetIO().MouseDown[button] = true;
-    for (int i = 0; i <= 8; ++i)
-      frame({from.x + by.x * static_cast<float>(i) / 8, from.y + by.y * static_cast<float>(i) / 8});
-    ImGui::GetIO().MouseDown[button] = false;
-    frame({from.x + by.x, from.y + by.y});
-  }
-  [[nodiscard]] Eigen::Matrix4d camera() const { return session.camera.view_from_world().matrix(); }
-  [[nodiscard]] std::size_t selected() const { return session.models.front()->selecting.selection.faces().size(); }
-
-  ImGuiContext* context = nullptr;
-  Session session;
-  Ui ui{.commanded = session};
-};
 
 TEST_F(Hands, TurnTheModelWithTheToolForLooking) {
   const Eigen::Matrix4d before = camera();
@@ -246,6 +166,49 @@ TEST_F(Hands, CancelAStrokeWithAllThatGoesOnFromIt) {
   frame({10, 10});
   EXPECT_EQ(selecting.strokes.strokes.size(), 1U);
   EXPECT_NE(selecting.selection.faces(), before) << "the last one stands on its own";
+}
+
+TEST_F(Hands, KnowWhichWorkTheirStrokesWentOnFromWhateverElseFails) {
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Selecting& selecting = session.models.front()->selecting;
+  const auto draw = [&](const ImVec2& from, bool shift) {
+    ImGui::GetIO().KeyShift = shift;
+    for (int i = 0; i < 8; ++i) look({from.x + 4 * static_cast<float>(i), from.y}, i > 0 && i < 7);
+    ImGui::GetIO().KeyShift = false;
+  };
+  const auto end_job = [&] {
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  };
+  // A file has its turn before the stroke that waits, and cannot be opened.
+  draw({240, 200}, false);
+  draw({340, 200}, true);
+  end_job();
+  ASSERT_TRUE(session.execute("open none.off"));
+  frame({10, 10});
+  frame({10, 10});
+  EXPECT_EQ(selecting.strokes.strokes.size(), 2U);
+  EXPECT_EQ(session.notice.find("stroke"), std::string::npos) << session.notice;
+  // The first stroke is cancelled, which a file that fails after it does not hide.
+  const auto before = selecting.selection.faces();
+  draw({240, 260}, false);
+  draw({340, 260}, true);
+  ASSERT_TRUE(session.execute("cancel"));
+  end_job();
+  ASSERT_TRUE(session.execute("open none.off"));
+  look({10, 10}, false);
+  EXPECT_EQ(session.notice,
+            "brushing was cancelled; everything is as it was; the stroke that went on from it went with it");
+  frame({10, 10});
+  EXPECT_EQ(selecting.selection.faces(), before);
+  // Another model comes up.
+  draw({240, 200}, false);
+  draw({340, 200}, true);
+  draw({300, 150}, true);
+  end_job();
+  session.add(ball(6));
+  frame({10, 10});
+  EXPECT_EQ(session.notice, "another model came up before 2 strokes could be carried out; draw them again");
+  EXPECT_EQ(session.models.front()->selecting.strokes.strokes.size(), 1U);
 }
 
 TEST_F(Hands, SeeWhatABrushWillSelectWhileTheStrokeBeforeIsBeingSelected) {
@@ -465,7 +428,7 @@ TEST_F(Hands, LetGoOfWhatIsHeldNoLonger) {
     while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
   }
   const Model& model = *session.models.front();
-  const auto grip = session.camera.project(model.spheres->shape.spheres.front().centre);
+  const auto grip = session.camera.project(model.spheres->shape->spheres.front().centre);
   const ImVec2 from(300 + 200 * static_cast<float>(grip.x()), 200 - 200 * static_cast<float>(grip.y()));
   frame(from);
   ImGui::GetIO().MouseDown[0] = true;
@@ -494,7 +457,7 @@ TEST_F(Hands, ChangeNothingThatAJobMayBeReading) {
     while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
   }
   const Model& model = *session.models.front();
-  const auto grip = session.camera.project(model.spheres->shape.spheres.front().centre);
+  const auto grip = session.camera.project(model.spheres->shape->spheres.front().centre);
   const ImVec2 from(300 + 200 * static_cast<float>(grip.x()), 200 - 200 * static_cast<float>(grip.y()));
   frame(from);
   look(from, true);
@@ -529,69 +492,6 @@ TEST_F(Hands, WalkThroughTheCity) {
   frame({300, 100});
   EXPECT_GT(session.walk.pose().x_m, 1) << "a drag upwards walks forward";
   EXPECT_NEAR(session.walk.pose().y_m, 0, 1e-9);
-}
-
-/// All facts of a session but what it has said, lines that failed, and what it still measures.
-std::map<std::string, std::string> facts_of(const Session& session) {
-  auto facts = session.report();
-  std::erase_if(facts, [](const auto& fact) {
-    return fact.first == "notice" || fact.first == "failures" || fact.first == "measured" ||
-           fact.first.ends_with("_percent");
-  });
-  return facts;
-}
-
-void carry_out(Session& session, const std::string& line) {
-  static_cast<void>(session.execute(line));
-  while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
-}
-
-TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
-  ImGui::GetIO().DisplaySize = {690, 800};
-  std::size_t clicked = 0;
-  for (const std::vector<std::string>& lines : {std::vector<std::string>{"panel look"},
-                                                {"panel spheres"},
-                                                {"pose", "handle 0"},
-                                                {"panel select"},
-                                                {"tool brush"},
-                                                {"similarity gls 0", "panel edit", "edit displace 0.01 map"}}) {
-    Session used;
-    Ui panels{.commanded = used, .view = {{290, 0}, {400, 764}}};
-    used.add(ball(6));
-    for (const char* line : {"lasso -0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2", "expand", "build", "level 8"})
-      carry_out(used, line);
-    for (const std::string& line : lines) carry_out(used, line);
-    const std::size_t before = used.log().size();
-    const auto draw = [&](const ImVec2& mouse, bool down) {
-      ImGui::GetIO().MousePos = mouse;
-      ImGui::GetIO().MouseDown[0] = down;
-      ImGui::NewFrame();
-      draw_sidebar(panels);
-      ImGui::EndFrame();
-      for (int waited = 0; used.job.running(); ++waited) {
-        used.update(used.now + std::chrono::milliseconds(5));
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        // What takes long is none of this test's business: cancelled, it leaves everything as it was.
-        if (waited == 200) static_cast<void>(used.execute("cancel"));
-      }
-    };
-    // From below the buttons that open dialogs on.
-    for (float y = 100; y < 560; y += 9) {
-      for (const float x : {40.F, 110.F, 180.F, 250.F}) {
-        for (const bool down : {false, true, false}) draw({x, y}, down);
-        panels.log = false;
-        if (used.models.size() > 1) carry_out(used, "close");  // what is made of it is made once
-        ASSERT_FALSE(panels.dialog);
-      }
-    }
-    clicked += used.log().size() - before;
-    Session again;
-    again.aspect = used.aspect;
-    again.add(ball(6));
-    for (const std::string& line : used.log()) carry_out(again, line);
-    EXPECT_EQ(facts_of(again), facts_of(used)) << lines.back();
-  }
-  EXPECT_GT(clicked, 100U);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST_F(TheView, ShowsTheExactSilhouetteOfASphereMesh) {
     const Image image = painted();
     ASSERT_TRUE(session.execute("spheres off"));
     const Image empty = painted();
-    const sdk::SphereMeshTree tree(session.models.front()->spheres->shape);
+    const sdk::SphereMeshTree tree(*session.models.front()->spheres->shape);
     int both = 0, either = 0;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -80,8 +81,47 @@ TEST(Lines, OfWorkStandWhereItBegan) {
   ASSERT_TRUE(session.execute("camera 30 10"));  // moves on meanwhile
   ASSERT_TRUE(session.execute("combine subtract"));
   while (session.job.running()) session.update(session.now + 5ms);
-  EXPECT_EQ(session.log(), (Words{"camera 0 0", "lasso -1 -1 1 -1 1 1 -1 1", "camera 30 10", "combine subtract"}));
+  EXPECT_EQ(session.log(),
+            (Words{"camera 0 0", "lasso -1 -1 1 -1 1 1 -1 1", "meanwhile camera 30 10", "meanwhile combine subtract"}));
   EXPECT_EQ(model->selecting.selection.faces().size(), 1U) << "as it was combined when it began";
+  // What is done meanwhile of work that comes to nothing is done all the same.
+  ASSERT_TRUE(session.execute("lasso -1 -1 1 -1 1 1 -1 1"));
+  ASSERT_TRUE(session.execute("camera 40 10"));
+  session.job.cancel();
+  while (session.job.running()) session.update(session.now + 5ms);
+  EXPECT_EQ(session.log().back(), "camera 40 10");
+  EXPECT_EQ(session.log().size(), 5U);
+}
+
+/// Lets a script come to its end, or returns why it did not.
+std::string played(Session& session, Script script) {
+  for (;;) {
+    session.update(session.now + 5ms);
+    if (const auto stepped = script.step(session); !stepped) return stepped.error().message;
+    if (script.done(session)) return "";
+  }
+}
+
+TEST(Lines, OfASessionThatIsReplayedDoWhatTheyDidWhateverWorkWentOn) {
+  const std::string file = ::testing::TempDir() + "replayed.off";
+  std::ofstream(file) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const Words lines = {"open " + as_word(file),
+                       "meanwhile camera 90 20 5 1 2 3",  // opening sees all of it afterwards
+                       "camera 10 20 7 1 2 3",
+                       "camera 30 40",  // from as far
+                       "camera 50 40",
+                       "panel spheres"};
+  Session first, again;
+  EXPECT_EQ(played(first, Script({lines[0], lines[1]})), "");
+  const double fitted = first.camera.distance;
+  EXPECT_LT(fitted, 4);
+  EXPECT_EQ(played(again, Script(first.log())), "");
+  EXPECT_EQ(again.camera.distance, fitted);
+  EXPECT_EQ(played(first, Script({lines[2], lines[3], lines[4], lines[5]})), "");
+  EXPECT_EQ(first.log(), (Words{lines[0], lines[1], lines[2], lines[4], lines[5]}));
+  EXPECT_EQ(played(again, Script({lines[2], lines[4]})), "");
+  EXPECT_EQ(again.camera.view_from_world().matrix(), first.camera.view_from_world().matrix());
+  std::remove(file.c_str());
 }
 
 TEST(Errors, ThatCannotBeMeasuredAreSaidOnce) {
@@ -158,14 +198,25 @@ TEST(Sizes, AreReadStrictly) {
     EXPECT_FALSE(parse_size(text)) << text;
 }
 
+/// A folder with two triangles, one.off and two.off.
+std::string two_files() {
+  std::string folder = ::testing::TempDir();
+  for (const char* name : {"one.off", "two.off"})
+    std::ofstream(folder + name) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  return folder;
+}
+
+void play(Session& session, Playlist& playlist) {
+  do {
+    session.update(session.now + 5ms);
+    playlist.step(session);
+  } while (!playlist.done(session));
+}
+
 TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   const auto failure = [](Script script) {
     Session session;
-    for (;;) {
-      session.update(session.now + 5ms);
-      if (const auto stepped = script.step(session); !stepped) return stepped.error().message;
-      if (script.done(session)) return std::string();
-    }
+    return played(session, std::move(script));
   };
   const std::string file = ::testing::TempDir() + "viewer_script.txt";
   std::ofstream(file) << "# a script\ntool hammer\n";
@@ -186,6 +237,48 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   std::remove(file.c_str());
 }
 
+TEST(Scripts, TakeWordsBeforeACommandInAnyOrderAndLinesWithoutWordsForNone) {
+  const std::string file = two_files() + "one.off";
+  for (const char* line :
+       {"meanwhile cancel", "  meanwhile cancel", "meanwhile\ttry cancel", "try meanwhile cancel # it"}) {
+    Session session;
+    EXPECT_EQ(played(session, Script({"open " + as_word(file), "# a comment", "", " \t\r", line})), "") << line;
+    EXPECT_TRUE(session.models.empty()) << line;
+  }
+  Session session;
+  EXPECT_EQ(played(session, Script({"try\ttool hammer", " try tool nail", "try meanwhile tool spoon"})), "");
+  EXPECT_EQ(session.failures, 3U);
+  EXPECT_EQ(played(session, Script(Words{"meanwhiles"})), "meanwhiles is no command; `help` lists them");
+}
+
+TEST(Scripts, EndWhereTheyFailWhateverTheyWaitFor) {
+  Session session;
+  EXPECT_EQ(played(session, Script({"open " + as_word(two_files() + "one.off"), "meanwhile wait 0.01 panel edit",
+                                    "meanwhile panel edit"})),
+            "wait: panel is still look, expected edit");
+  EXPECT_EQ(session.panel, Panel::Look);
+}
+
+TEST(Scripts, FailWhereAPictureDoes) {
+  for (const bool may_fail : {false, true}) {
+    Session session;
+    Script script({may_fail ? "try screenshot a.png" : "screenshot a.png", "panel edit"});
+    session.update(5ms);
+    ASSERT_TRUE(script.step(session));
+    ASSERT_TRUE(session.picture);
+    const PictureRequest request = *std::exchange(session.picture, std::nullopt);
+    session.tell_failure(request.origin, "no");
+    EXPECT_EQ(script.step(session).has_value(), may_fail);
+    EXPECT_EQ(session.panel, may_fail ? Panel::Edit : Panel::Look);
+  }
+}
+
+TEST(Scripts, AreFiles) {
+  const auto read = Script::read(::testing::TempDir());
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("is a folder; expected a file of commands"), std::string::npos);
+}
+
 TEST(Commands, HaveOneMeaningEach) {
   for (const auto group : {file_commands(), view_commands(), sphere_commands(), select_commands(), pose_commands(),
                            edit_commands(), walk_commands(), script_commands()})
@@ -200,25 +293,44 @@ std::optional<sdk::Expected<void>> waited_for(Job& job) {
 }
 
 TEST(WhatIsDropped, IsOpenedWhateverFailsMeanwhile) {
-  const std::string folder = ::testing::TempDir();
-  for (const char* name : {"one.off", "two.off"})
-    std::ofstream(folder + name) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const std::string folder = two_files();
   Session session;
-  Playlist playlist{Script(Words{"open " + as_word(folder + "one.off")})};
-  const auto play = [&] {
-    do {
-      session.update(session.now + 5ms);
-      playlist.step(session);
-    } while (!playlist.done(session));
-  };
-  play();
+  Playlist playlist({}, Script({"open " + as_word(folder + "one.off")}));
+  play(session, playlist);
   ASSERT_EQ(session.models.size(), 1U);
   // By hand, and nothing lies within: it fails while the files wait.
   ASSERT_TRUE(session.execute("lasso 2 2 2.1 2 2 2.1"));
   for (const char* name : {"none.off", "two.off", "one.off"}) playlist.drop(folder + name);
-  play();
+  play(session, playlist);
   EXPECT_EQ(session.models.size(), 3U);
   EXPECT_EQ(session.models.back()->name, "one");
+}
+
+TEST(WhatIsOpened, IsAllThatCanBeAndTheOthersAreTold) {
+  const std::string folder = two_files();
+  Session session;
+  Playlist playlist({folder + "no.off", folder + "one.off", folder + "none.off", folder + "two.off"}, Script());
+  play(session, playlist);
+  EXPECT_EQ(session.models.size(), 2U);
+  EXPECT_TRUE(session.notice_is_error);
+  EXPECT_NE(session.notice.find("no.off: cannot be read"), std::string::npos) << session.notice;
+  EXPECT_NE(session.notice.find("none.off: cannot be read"), std::string::npos) << session.notice;
+  EXPECT_FALSE(session.failure);
+}
+
+TEST(Scripts, GoOnWhateverFailsByHandMeanwhile) {
+  Session session;
+  Playlist playlist({}, Script({"wait 0.1", "panel edit", "wait 0.1", "tool hammer", "panel look"}));
+  session.update(5ms);
+  playlist.step(session);
+  EXPECT_FALSE(session.execute("undo")) << "of nothing";
+  play(session, playlist);
+  EXPECT_EQ(session.panel, Panel::Edit) << "what of its own fails ends it";
+  EXPECT_EQ(session.notice.find("tool: "), 0U) << session.notice;
+  // and nothing else.
+  playlist.drop(two_files() + "one.off");
+  play(session, playlist);
+  EXPECT_EQ(session.models.size(), 1U);
 }
 
 TEST(Jobs, ChangeThingsOnTheCallersThreadOnceTheyAreDone) {
@@ -271,7 +383,10 @@ TEST(Jobs, ChangeNothingOnceTheyAreCancelled) {
   EXPECT_FALSE(changed);
 }
 
-TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
+class JobsThatChangeThings : public ::testing::TestWithParam<Stops> {};
+
+TEST_P(JobsThatChangeThings, AreDoneWhereTheyAreAlthoughSomebodyCancels) {
+  const Stops stops = GetParam();
   Job job;
   bool applied = false;
   job.start(
@@ -280,13 +395,15 @@ TEST(Jobs, ThatAreWholeAreDoneAlthoughSomebodyCancels) {
         while (!task.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return Job::Apply([&] { applied = true; });
       },
-      true);
+      stops);
   job.cancel();
   std::optional<sdk::Expected<void>> done;
   while (!done) done = job.poll();
   EXPECT_TRUE(*done);
   EXPECT_TRUE(applied);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, JobsThatChangeThings, ::testing::Values(Stops::ByItself, Stops::Never));
 
 TEST(WhatIsMadeOnce, IsMadeByTheFirstThatAsksAndWaitedForByTheOthers) {
   MadeOnce<int> once;

@@ -42,7 +42,7 @@ Expected<void> run_session(const Arguments& arguments) {
   if (!text) return tl::unexpected(text.error());
   auto session = sdk::DeformationSession::start(mesh, hierarchy, hierarchy.min_spheres(), {}, call.task());
   if (!session) return fail(fmt::format("{}: {}", arguments.mesh, session.error().message));
-  if (const auto replayed = ours(session->replay(*text, arguments.session)); !replayed) return replayed;
+  if (const auto replayed = ours(session->replay(*text, arguments.session, call.task())); !replayed) return replayed;
   sdk::Mesh deformed = mesh;
   deformed.positions.assign(session->positions().begin(), session->positions().end());
   if (auto written = ours(sdk::write_mesh(deformed, arguments.out, {}, call.task())); !written) return written;

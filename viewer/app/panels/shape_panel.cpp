@@ -71,28 +71,21 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
     const auto most = static_cast<int>(spheres.hierarchy->leaf_count());
     // Of a posed mesh a level takes a while: it changes once the slider is let go.
     if (!slide.active && !slide.waits)
-      slide.wanted = static_cast<int>(posed ? spheres.shape.spheres.size() : spheres.cursor->size());
+      slide.wanted = static_cast<int>(posed ? spheres.shape->spheres.size() : spheres.cursor->size());
     ImGui::SetNextItemWidth(-1);
     const bool moved = ImGui::SliderInt("##level", &slide.wanted, least, most, "%d spheres",
                                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     slide.active = ImGui::IsItemActive();
     if (posed ? ImGui::IsItemDeactivatedAfterEdit() : moved) slide.waits = true;
-    if (slide.waits && !ui.session.job.running()) {
-      slide.waits = false;
-      ui.issue("level {}", slide.wanted);
-    }
   }
-  const sdk::SphereMesh& shape = spheres.shape;
+  const sdk::SphereMesh& shape = *spheres.shape;
   const std::string parts = counted(shape.edges.size(), "edge") + ", " + counted(shape.triangles.size(), "triangle");
   // The slider says how many spheres there are.
   hint((spheres.hierarchy ? parts : counted(shape.spheres.size(), "sphere") + ", " + parts).c_str());
   if (!has_mesh || posed) return;
   if (spheres.errors) {
     // Two lines always, so that nothing below moves.
-    const LevelErrors& errors = *spheres.errors;
-    ImGui::Text("Error: mean %s%s %%\nlargest %s%s %%", errors.about ? "about " : "",
-                percent(errors.mean_input_to_approximation).c_str(), errors.about ? "at least " : "",
-                percent(errors.hausdorff).c_str());
+    ImGui::Text("Error: %s", error_words(*spheres.errors, "\n").c_str());
   } else if (spheres.unmeasured.empty()) {
     ImGui::TextDisabled("Error: being measured\n ");
   } else {
@@ -105,6 +98,22 @@ void draw_level(Ui& ui, const SphereShape& spheres, bool has_mesh, bool posed) {
 }
 
 }  // namespace
+
+std::string error_words(const LevelErrors& errors, const char* between) {
+  return fmt::format("mean {}{} %{}largest {}{} %", errors.about ? "about " : "",
+                     percent(errors.mean_input_to_approximation), between, errors.about ? "at least " : "",
+                     percent(errors.hausdorff));
+}
+
+void follow_level(Ui& ui) {
+  LevelSlide& slide = ui.slide;
+  const Session& session = ui.session;
+  if (!slide.waits || session.job.running()) return;
+  slide.waits = false;
+  const auto model = slide.model.lock();
+  if (model && !session.models.empty() && session.models[session.active_model] == model)
+    ui.issue("level {}", slide.wanted);
+}
 
 void draw_shape_panel(Ui& ui) {
   draw_looks(ui, *ui.session.models[ui.session.active_model]);

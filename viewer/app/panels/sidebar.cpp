@@ -103,6 +103,20 @@ void draw_log(Ui& ui) {
   ImGui::End();
 }
 
+/// As much of the end of a text as there is room for when it wraps: what went wrong stands behind where.
+static std::string end_of(std::string text, const ImVec2& room) {
+  const std::string whole = text;
+  const auto high = [&](const std::string& part) {
+    return ImGui::CalcTextSize(part.c_str(), nullptr, false, room.x).y;
+  };
+  if (high(text) <= room.y) return text;
+  do {
+    text.erase(0, 1);
+    while (!text.empty() && (text[0] & 0xC0) == 0x80) text.erase(0, 1);  // of a letter of several bytes
+  } while (!text.empty() && high("..." + text) > room.y);
+  return text.empty() ? whole : "..." + text;
+}
+
 void draw_status_bar(Ui& ui, const Area& area) {
   const Session& session = ui.session;
   ImGui::SetNextWindowPos(area.at);
@@ -131,7 +145,7 @@ void draw_status_bar(Ui& ui, const Area& area) {
   } else if (!session.notice.empty()) {
     ImGui::AlignTextToFramePadding();
     ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
-    ImGui::TextWrapped("%s", session.notice.c_str());
+    ImGui::TextWrapped("%s", end_of(session.notice, ImGui::GetContentRegionAvail()).c_str());
     ImGui::PopStyleColor();
     explain(session.notice.c_str());
     if (ImGui::IsItemClicked()) ui.tell("");

@@ -11,7 +11,7 @@ namespace {
 using Done = sdk::Expected<void>;
 
 Done open(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   session.start("opening " + file, [&session, file](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
     auto model = read_model(file, task);
@@ -54,7 +54,7 @@ Done beside(Session& session, Arguments& arguments) {
 
 /// The lines so far, to be played again by --script.
 Done save_session(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   std::string text;
   for (const std::string& line : session.log()) text += line + '\n';
@@ -64,7 +64,7 @@ Done save_session(Session& session, Arguments& arguments) {
 }
 
 Done save(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   const bool spheres = arguments.left() > 0 && arguments.choice("what", {"mesh", "spheres"}) == 1;
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active(); !model) return tl::unexpected(model.error());
@@ -75,7 +75,7 @@ Done save(Session& session, Arguments& arguments) {
         if (auto written = write_model(*model, file, spheres); !written) return tl::unexpected(written.error());
         return Job::Apply([&session, file] { session.tell("wrote " + file); });
       },
-      true);
+      Stops::Never);
   return {};
 }
 
@@ -85,7 +85,8 @@ constexpr std::array kCommands = {
     Command{"open", "FILE", "open a mesh, a sphere-mesh (.ma, .ply) or a hierarchy (.smh)", open},
     Command{"close", "", "close the model that is shown", close},
     Command{"model", "N", "show the N-th of the models that are open", model},
-    Command{"save", "FILE [mesh|spheres]", "write the mesh, the sphere-mesh or the hierarchy, by the extension", save},
+    Command{"save", "FILE [mesh|spheres]",
+            "write the mesh or the spheres, posed as they are, or the hierarchy, by the extension", save},
 };
 
 }  // namespace

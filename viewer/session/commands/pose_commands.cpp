@@ -56,7 +56,7 @@ Done handle(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   std::vector<sdk::SphereId> spheres;
-  const std::size_t level = (*model)->pose->shape.spheres.size();
+  const std::size_t level = (*model)->pose->shape->spheres.size();
   while (arguments.left() > 0 && spheres.size() <= level) spheres.emplace_back(arguments.count("sphere", 0, level - 1));
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto checked = sdk::check({.spheres = spheres}, level); !checked && !spheres.empty()) return checked;
@@ -71,8 +71,8 @@ Done moved(Session& session, Arguments& arguments, sdk::SphereMove move) {
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   move.spheres = (*model)->handle;
-  if (auto checked = sdk::check(move, (*model)->pose->shape.spheres.size()); !checked) return checked;
-  return lay(session, "moving what is held", [move](Posing& posing) { return posing.move(move); });
+  if (auto checked = sdk::check(move, (*model)->pose->shape->spheres.size()); !checked) return checked;
+  return lay(session, "moving what is held", [move](Posing& posing, const sdk::Task&) { return posing.move(move); });
 }
 
 Done translate(Session& session, Arguments& arguments) {
@@ -104,11 +104,11 @@ Done pin(Session& session, Arguments& arguments) {
   if (!model) return tl::unexpected(model.error());
   if ((*model)->handle.empty()) return sdk::fail("choose a sphere, an edge or a triangle first");
   return lay(session, Pinned ? "pinning what is held" : "letting it move",
-             [held = (*model)->handle](Posing& posing) { return posing.pin(held, Pinned); });
+             [held = (*model)->handle](Posing& posing, const sdk::Task&) { return posing.pin(held, Pinned); });
 }
 
 Done save_pose(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
@@ -119,12 +119,12 @@ Done save_pose(Session& session, Arguments& arguments) {
           return Job::Apply([&session, file] { session.tell("wrote " + file); });
         });
       },
-      true);
+      Stops::Never);
   return {};
 }
 
 Done replay_pose(Session& session, Arguments& arguments) {
-  const std::string file = arguments.word("file");
+  const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = posed(session); !model) return tl::unexpected(model.error());
   std::error_code none;
@@ -132,8 +132,9 @@ Done replay_pose(Session& session, Arguments& arguments) {
   if (!in || !std::filesystem::is_regular_file(file, none))
     return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return lay(
-      session, "posing as " + file, [file, text](Posing& posing) { return posing.replay(text, file); }, true);
+  return lay(session, "posing as " + file,
+             [file, text](Posing& posing, const sdk::Task& task) { return posing.replay(text, file, task); },
+             {.lets_go = true, .stops = Stops::ByItself});
 }
 
 Done bake(Session& session, Arguments& arguments) {

@@ -35,10 +35,18 @@ bool holds(const std::string& found, const std::string& expected, double toleran
 }
 
 /// What a script calls a fact that is not there.
+constexpr const char* kNone = "none";
+
 std::string fact(const Session& session, const std::string& name) {
   const auto facts = session.report();
   const auto place = facts.find(name);
-  return place == facts.end() ? "none" : place->second;
+  return place == facts.end() ? kNone : place->second;
+}
+
+/// Says that a fact is not as expected.
+std::string otherwise(const std::string& name, const char* is, const std::string& found, const std::string& expected) {
+  return found == kNone ? fmt::format("there is no fact {}, expected {}; `report` lists them", name, as_word(expected))
+                        : fmt::format("{} {} {}, expected {}", name, is, as_word(found), as_word(expected));
 }
 
 Done expect(Session& session, Arguments& arguments) {
@@ -48,7 +56,7 @@ Done expect(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const std::string found = fact(session, name);
   if (holds(found, expected, tolerance)) return {};
-  return sdk::fail(fmt::format("{} is {}, expected {}", name, as_word(found), as_word(expected)));
+  return sdk::fail(otherwise(name, "is", found, expected));
 }
 
 /// wait SECONDS, or wait SECONDS FACT VALUE: at most so long, until it holds.
@@ -62,8 +70,7 @@ Done wait(Session& session, Arguments& arguments) {
     if (!name.empty() && holds(fact(session, name), expected, 0)) return true;
     if (session.now < until) return false;
     if (!name.empty()) {
-      session.tell_failure(origin, fmt::format("wait: {} is still {}, expected {}", name, as_word(fact(session, name)),
-                                               as_word(expected)));
+      session.tell_failure(origin, "wait: " + otherwise(name, "is still", fact(session, name), expected));
     }
     return true;
   };
@@ -88,15 +95,16 @@ Done read_size(Arguments& arguments, PictureRequest& request) {
 }
 
 Done screenshot(Session& session, Arguments& arguments) {
-  PictureRequest request{.file = arguments.word("file")};
+  PictureRequest request{.file = arguments.file(), .origin = session.origin};
   if (auto sized = read_size(arguments, request); !sized) return sized;
   if (auto checked = arguments.check(); !checked) return checked;
+  if (lower_extension(request.file) != ".png") return sdk::fail(request.file + ": expected a name that ends in .png");
   session.picture = std::move(request);
   return {};
 }
 
 Done frame_times(Session& session, Arguments& arguments) {
-  PictureRequest request;
+  PictureRequest request{.origin = session.origin};
   request.turn = static_cast<int>(arguments.count("pictures", 1, 1000));
   if (auto sized = read_size(arguments, request); !sized) return sized;
   if (auto checked = arguments.check(); !checked) return checked;

@@ -317,17 +317,26 @@ Done clear(Session& session, Arguments& arguments) {
   return {};
 }
 
-template <bool (sdk::Selection::*Step)(), Posing::Laid (Posing::*PoseStep)()>
-Done step(Session& session, Arguments& arguments) {
+/// Of how a posed model lies, but where regions are selected; else of the selection.
+Done step(Session& session, Arguments& arguments, bool (sdk::Selection::*of_selecting)(),
+          Posing::Laid (Posing::*of_posing)(), const char* nothing_left) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = session.active_mesh();
   if (!model) return tl::unexpected(model.error());
-  if ((*model)->posing && session.tool == Tool::Pose) {
-    return lay(session, "taking a step back or forward", PoseStep, true);
-  }
-  if (!((*model)->selecting.selection.*Step)()) return sdk::fail("there is nothing left to go to");
+  if ((*model)->posing && session.panel != Panel::Select)
+    return lay(session, "taking a step back or forward",
+               [of_posing](Posing& posing, const sdk::Task&) { return (posing.*of_posing)(); }, {.lets_go = true});
+  if (!((*model)->selecting.selection.*of_selecting)()) return sdk::fail(nothing_left);
   forget_reference(**model);
   return {};
+}
+
+Done undo(Session& session, Arguments& arguments) {
+  return step(session, arguments, &sdk::Selection::undo, &Posing::undo, kNothingToUndo);
+}
+
+Done redo(Session& session, Arguments& arguments) {
+  return step(session, arguments, &sdk::Selection::redo, &Posing::redo, kNothingToRedo);
 }
 
 Done combine(Session& session, Arguments& arguments) {
@@ -361,8 +370,9 @@ constexpr std::array kCommands = {
     Command{"reconsider", "", "take back the last accept or reject", reconsider},
     Command{"take", "", "select the matches that are shown", take},
     Command{"clear", "", "select nothing", clear},
-    Command{"undo", "", "take back the last step of selecting or posing", step<&sdk::Selection::undo, &Posing::undo>},
-    Command{"redo", "", "do it again", step<&sdk::Selection::redo, &Posing::redo>},
+    Command{"undo", "", "take back the last step of posing, or, without a pose and on panel select, of selecting",
+            undo},
+    Command{"redo", "", "do it again", redo},
 };
 
 }  // namespace

@@ -63,7 +63,7 @@ Done build_alike(Session& session, Arguments& arguments) {
                     auto model = std::make_shared<Model>();
                     model->name = plain->name + ", like regions together";
                     model->mesh = plain->mesh;
-                    model->set_hierarchy(hierarchy, plain->spheres->shape.spheres.size());
+                    model->set_hierarchy(hierarchy, plain->spheres->shape->spheres.size());
                     session.add(model);
                     session.beside = place + 1;
                     session.see_all();
@@ -83,8 +83,8 @@ Done level(Session& session, Arguments& arguments) {
   const std::size_t spheres = arguments.count("spheres", hierarchy.min_spheres(), hierarchy.leaf_count());
   if (auto checked = arguments.check(); !checked) return checked;
   if ((*model)->posing)
-    return lay(
-        session, kLevelTitle, [spheres](Posing& posing) { return posing.go_to(spheres); }, true);
+    return lay(session, kLevelTitle, [spheres](Posing& posing, const sdk::Task&) { return posing.go_to(spheres); },
+               {.lets_go = true});
   std::vector<std::shared_ptr<Model>> slides = {session.models[session.active_model]};
   if (Model* other = session.other(); other != nullptr && other->spheres && other->spheres->hierarchy && !other->posing)
     slides.push_back(session.models[session.beside - 1]);
@@ -116,9 +116,11 @@ Done refine(Session& session, Arguments& arguments) {
   if (const auto active = session.active_spheres(); !active) return tl::unexpected(active.error());
   session.start("refining the sphere-mesh",
                 [model = *found, shape = (*found)->spheres->shape](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-                  auto refined = sdk::refine(model->mesh->mesh, shape, {}, task);
+                  auto refined = sdk::refine(model->mesh->mesh, *shape, {}, task);
                   if (!refined) return tl::unexpected(refined.error());
-                  return Job::Apply([model, refined = std::move(*refined)] { model->set_refined(refined); });
+                  return Job::Apply([model, refined = std::make_shared<const sdk::SphereMesh>(std::move(*refined))] {
+                    model->set_refined(refined);
+                  });
                 });
   return {};
 }
@@ -131,7 +133,7 @@ Done extract(Session& session, Arguments& arguments) {
   session.start("making a mesh of the sphere-mesh",
                 [&session, tolerance, shape = (*active)->spheres->shape,
                  name = (*active)->name](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
-                  auto mesh = sdk::extract_surface(shape, {.tolerance = tolerance}, task);
+                  auto mesh = sdk::extract_surface(*shape, {.tolerance = tolerance}, task);
                   if (!mesh) return tl::unexpected(mesh.error());
                   auto model = std::make_shared<Model>();
                   model->name = name + " extracted";

@@ -94,7 +94,8 @@ class DeformationSession {
   [[nodiscard]] std::string text() const;
   /// Carries out the steps of such a text, all or none: its lines are checked before anything is done, and what proves
   /// impossible later is taken back, level and steps to redo included. Fails with `name`, the line and what was
-  /// expected; a preview is dropped then, too. Numbers are in the units of the model, spheres count from 0.
+  /// expected, or as cancelled; a preview is dropped then, too. Reports every line. Numbers are in the units of the
+  /// model, spheres count from 0.
   ///   armature deformation 1
   ///   vertices 24955
   ///   level 40
@@ -104,7 +105,7 @@ class DeformationSession {
   ///   unpin spheres 4
   /// All of a move but its spheres may be left out; what follows # is a comment. On the same mesh with the same options
   /// the result is the same, bit by bit.
-  [[nodiscard]] Expected<void> replay(std::string_view text, std::string_view name);
+  [[nodiscard]] Expected<void> replay(std::string_view text, std::string_view name, const Task& task = {});
 
  private:
   struct Step {
@@ -127,6 +128,8 @@ class DeformationSession {
   void weigh();
   void fit();
   void step_over(Step& step, bool forward);
+  void swap_over(Step& step, bool forward);  // what `positions_` holds must be the mesh as committed
+  void take_back(std::size_t steps, std::size_t level);
   [[nodiscard]] SphereMove in_model(const SphereMove& move, MoveFrame frame) const;
   [[nodiscard]] SkinWeights weights_around_pins();
   Expected<void> move_surface(const SphereMove& move, std::span<const SphereMotion> motions, std::size_t rings);
