@@ -277,6 +277,7 @@ Counterparts::Counterparts(const Correspondence& correspondence)
   const auto& classes = correspondence.classes;
   if (std::ranges::all_of(classes, [](std::uint32_t c) { return c == kNoIndex; })) return;
   kinds_.resize(classes.size(), 0);
+  list_.resize(classes.size(), 0);
   place_.resize(classes.size(), 0);
   into_.resize(classes.size());
   std::iota(into_.begin(), into_.end(), 0U);
@@ -289,6 +290,8 @@ Counterparts::Counterparts(const Correspondence& correspondence)
     copies_[model_[copy]].push_back(copy);
   }
   joined_.resize(copies_.size(), false);
+  least_.resize(copies_.size());
+  for (std::uint32_t copy = 0; copy < model_.size(); ++copy) count(copy);
   std::unordered_map<std::uint32_t, std::uint32_t> of_class;
   for (std::uint32_t v = 0; v < classes.size(); ++v) {
     if (classes[v] == kNoIndex) continue;
@@ -309,32 +312,47 @@ std::uint32_t Counterparts::holder(std::uint32_t slot) noexcept {
   return slot;
 }
 
-std::span<const std::uint32_t> Counterparts::of(std::uint64_t kind) const {
-  const auto found = slots_.find(kind);
-  return found == slots_.end() ? std::span<const std::uint32_t>{} : found->second;
-}
-
 void Counterparts::add(std::uint32_t slot) {
-  auto& slots = slots_[kinds_[slot]];
+  const auto [found, is_new] = lists_of_.try_emplace(kinds_[slot], kNoIndex);
+  if (is_new) {
+    if (free_lists_.empty()) {
+      free_lists_.push_back(static_cast<std::uint32_t>(lists_.size()));
+      lists_.emplace_back();
+    }
+    found->second = free_lists_.back();
+    free_lists_.pop_back();
+  }
+  list_[slot] = found->second;
+  auto& slots = lists_[list_[slot]];
   place_[slot] = static_cast<std::uint32_t>(slots.size());
   slots.push_back(slot);
 }
 
 void Counterparts::remove(std::uint32_t slot) {
   if (kinds_[slot] == 0) return;
-  const auto found = slots_.find(kinds_[slot]);
-  auto& slots = found->second;
+  auto& slots = lists_[list_[slot]];
   slots[place_[slot]] = slots.back();
   place_[slots.back()] = place_[slot];
   slots.pop_back();
-  if (slots.empty()) slots_.erase(found);
+  if (!slots.empty()) return;
+  free_lists_.push_back(list_[slot]);
+  lists_of_.erase(kinds_[slot]);
+}
+
+void Counterparts::count(std::uint32_t copy) {
+  Left& least = least_[model_[copy]];
+  if (left_[copy] < least.slots) least = {.slots = left_[copy]};
+  if (left_[copy] == least.slots) ++least.copies;
 }
 
 void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (kinds_.empty()) return;
   into_[gone] = kept;
   if (copy_[gone] == copy_[kept]) {
-    if (copy_[kept] != kNoIndex) --left_[copy_[kept]];
+    if (copy_[kept] != kNoIndex) {
+      --left_[copy_[kept]];
+      count(copy_[kept]);
+    }
   } else if (copy_[kept] == kNoIndex) {
     copy_[kept] = copy_[gone];
   } else if (copy_[gone] != kNoIndex) {
@@ -348,19 +366,9 @@ void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
 }
 
-bool Counterparts::even(std::uint32_t copy) const {
-  return std::ranges::all_of(copies_like(copy), [&](std::uint32_t like) { return left_[like] == left_[copy]; });
-}
-
-std::uint32_t Counterparts::surplus(std::uint32_t copy) const {
-  std::uint32_t least = left_[copy];
-  for (const auto like : copies_like(copy)) least = std::min(least, left_[like]);
-  return left_[copy] - least;
-}
-
 std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot) {
   behind_.clear();
-  if (kind(slot) == 0) return behind_;
+  if (kinds_.empty() || kinds_[slot] == 0) return behind_;
   for (auto v = next_[holds_[slot]]; v != holds_[slot]; v = next_[v])
     if (const auto other = holder(v); kinds_[other] != kinds_[slot]) behind_.push_back(other);
   return behind_;

@@ -37,10 +37,11 @@ class Counterparts {
 
   /// Whether there is anything to keep track of.
   [[nodiscard]] bool empty() const noexcept { return kinds_.empty(); }
-  /// What a slot is of; 0 if it holds nothing that has a counterpart.
-  [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept { return kinds_.empty() ? 0 : kinds_[slot]; }
-  /// The slots of a kind other than 0, in no order that matters.
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint64_t kind) const;
+  /// What slots are of, 0 if they hold nothing that has a counterpart: by slot, valid as long as this is; empty if
+  /// nothing corresponds to anything.
+  [[nodiscard]] std::span<const std::uint64_t> kinds() const noexcept { return kinds_; }
+  /// The slots of the kind of one whose kind is not 0, in no order that matters.
+  [[nodiscard]] std::span<const std::uint32_t> like(std::uint32_t slot) const { return lists_[list_[slot]]; }
   /// Two slots became one.
   void merge(std::uint32_t kept, std::uint32_t gone);
   /// Slots of another kind that hold what corresponds to something in a slot: all that together could become its like.
@@ -57,18 +58,36 @@ class Counterparts {
   }
   /// All copies of what a copy is one of.
   [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const { return copies_[model_[copy]]; }
+  /// Whether one of them was joined to something else.
+  [[nodiscard]] bool joined(std::uint32_t copy) const { return joined_[model_[copy]]; }
   /// Whether all of them have equally many slots.
-  [[nodiscard]] bool even(std::uint32_t copy) const;
+  [[nodiscard]] bool even(std::uint32_t copy) const {
+    const Left& left = least_[model_[copy]];
+    return left.copies == copies_[model_[copy]].size();
+  }
+  /// The fewest slots that one of them has.
+  [[nodiscard]] std::uint32_t least(std::uint32_t copy) const { return least_[model_[copy]].slots; }
   /// How many slots a copy has more than the least of those like it.
-  [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const;
+  [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const { return left_[copy] - least_[model_[copy]].slots; }
 
  private:
+  /// The fewest slots that a copy of a model has, and how many copies have so few.
+  struct Left {
+    std::uint32_t slots = kNoIndex;
+    std::size_t copies = 0;
+  };
+
   void add(std::uint32_t slot);
   void remove(std::uint32_t slot);
+  /// A copy has so many slots, fewer than before.
+  void count(std::uint32_t copy);
 
-  std::vector<std::uint64_t> kinds_;  // by slot; empty if no vertices correspond
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_;
-  std::vector<std::uint32_t> place_;  // by slot: where it stands among those of its kind
+  std::vector<std::uint64_t> kinds_;                           // by slot; empty if no vertices correspond
+  std::vector<std::vector<std::uint32_t>> lists_;              // of slots of one kind
+  std::unordered_map<std::uint64_t, std::uint32_t> lists_of_;  // by kind
+  std::vector<std::uint32_t> free_lists_;
+  std::vector<std::uint32_t> list_;   // by slot: that of its kind
+  std::vector<std::uint32_t> place_;  // by slot: where it stands in it
   std::vector<std::uint32_t> into_;   // by slot: chains that end at one in use
   std::vector<std::uint32_t> holds_;  // by slot: a vertex in it that has counterparts; kNoIndex for none
   std::vector<std::uint32_t> next_;   // by vertex: the next of its class, in a ring
@@ -77,6 +96,7 @@ class Counterparts {
   std::vector<std::uint32_t> model_;                // by copy
   std::vector<std::vector<std::uint32_t>> copies_;  // by model
   std::vector<std::uint32_t> left_;                 // slots, by copy
+  std::vector<Left> least_;                         // by model
   std::vector<bool> joined_;                        // to something else, by model
 };
 

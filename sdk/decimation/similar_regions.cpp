@@ -51,10 +51,9 @@ void SimilarRegions::describe(std::uint32_t a, std::uint32_t b, std::span<float>
     descriptor_.aggregate(out, row(place_[b]));
 }
 
-std::size_t SimilarRegions::begin(std::uint32_t a, std::uint32_t b) {
+void SimilarRegions::begin(std::uint32_t a, std::uint32_t b) {
   describe(a, b, reference_);
   area_ = areas_[a] + areas_[b];
-  return looks_;
 }
 
 double SimilarRegions::dissimilarity(std::uint32_t a, std::uint32_t b) {

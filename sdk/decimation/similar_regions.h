@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,15 +20,16 @@ class SimilarRegions final : public SimilarCollapses {
   /// `correspondence` is that of find_correspondence(); empty, nothing has counterparts.
   SimilarRegions(const Descriptor& descriptor, const Correspondence& correspondence, const SimilarityOptions& options);
 
-  std::size_t begin(std::uint32_t a, std::uint32_t b) override;
-  void look() override { looks_ -= looks_ > 0 ? 1 : 0; }
+  void begin(std::uint32_t a, std::uint32_t b) override;
+  void look(std::size_t count) override { looks_ -= std::min(looks_, count); }
   [[nodiscard]] bool ranks() const noexcept override { return options_.adaptive; }
   double dissimilarity(std::uint32_t a, std::uint32_t b) override;
   [[nodiscard]] double threshold(std::span<double> dissimilarities) const override;
   [[nodiscard]] double cost_ratio() const noexcept override { return options_.cost_ratio; }
-  [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept override { return counterparts_.kind(slot); }
-  [[nodiscard]] std::span<const std::uint32_t> slots_of(std::uint64_t kind) const override {
-    return counterparts_.of(kind);
+  [[nodiscard]] std::size_t looks() const noexcept override { return looks_; }
+  [[nodiscard]] std::span<const std::uint64_t> kinds() const noexcept override { return counterparts_.kinds(); }
+  [[nodiscard]] std::span<const std::uint32_t> slots_like(std::uint32_t slot) const override {
+    return counterparts_.like(slot);
   }
   void merged(std::uint32_t kept, std::uint32_t gone) override;
   std::span<const std::uint32_t> behind(std::uint32_t slot) override { return counterparts_.behind(slot); }
@@ -36,7 +38,9 @@ class SimilarRegions final : public SimilarCollapses {
   [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const override {
     return counterparts_.copies_like(copy);
   }
+  [[nodiscard]] bool joined(std::uint32_t copy) const override { return counterparts_.joined(copy); }
   [[nodiscard]] bool even(std::uint32_t copy) const override { return counterparts_.even(copy); }
+  [[nodiscard]] std::uint32_t least(std::uint32_t copy) const override { return counterparts_.least(copy); }
   [[nodiscard]] std::uint32_t surplus(std::uint32_t copy) const override { return counterparts_.surplus(copy); }
 
  private:

@@ -16,6 +16,7 @@
 
 #include "sdk/hierarchy/collapse_complex.h"
 #include "sdk/hierarchy/collapse_queue.h"
+#include "sdk/hierarchy/waiting_list.h"
 
 namespace armature::sdk {
 
@@ -34,22 +35,25 @@ class SimilarCollapses {
   SimilarCollapses(const SimilarCollapses&) = delete;
   SimilarCollapses& operator=(const SimilarCollapses&) = delete;
 
-  /// Starts a step of which the collapse of two slots is the reference. Returns how many others may be looked at.
-  virtual std::size_t begin(std::uint32_t a, std::uint32_t b) = 0;
+  /// Starts a step of which the collapse of two slots is the reference.
+  virtual void begin(std::uint32_t a, std::uint32_t b) = 0;
   /// How unlike the reference the collapse of two other slots is; infinite where it is not to be done with it.
   virtual double dissimilarity(std::uint32_t a, std::uint32_t b) = 0;
-  /// One of those others was looked at.
-  virtual void look() = 0;
+  /// How many others may be looked at.
+  [[nodiscard]] virtual std::size_t looks() const noexcept = 0;
+  /// So many of them were looked at.
+  virtual void look(std::size_t count) = 0;
   /// Whether what dissimilarities must stay below depends on all of a step; else all finite ones are below it.
   [[nodiscard]] virtual bool ranks() const noexcept = 0;
   /// If so, that, given all of a step, which may be put into another order.
   [[nodiscard]] virtual double threshold(std::span<double> dissimilarities) const = 0;
   /// The most that a collapse may cost, as a multiple of the reference.
   [[nodiscard]] virtual double cost_ratio() const noexcept = 0;
-  /// What a slot corresponds to: slots of the same kind do. 0 for what has no counterpart.
-  [[nodiscard]] virtual std::uint64_t kind(std::uint32_t slot) const noexcept = 0;
-  /// The slots of a kind other than 0.
-  [[nodiscard]] virtual std::span<const std::uint32_t> slots_of(std::uint64_t kind) const = 0;
+  /// By slot what it corresponds to: slots of the same kind do. 0 for what has no counterpart; empty if nothing has.
+  /// Valid for good.
+  [[nodiscard]] virtual std::span<const std::uint64_t> kinds() const noexcept = 0;
+  /// The slots of the kind of one whose kind is not 0.
+  [[nodiscard]] virtual std::span<const std::uint32_t> slots_like(std::uint32_t slot) const = 0;
   /// Two slots became one.
   virtual void merged(std::uint32_t kept, std::uint32_t gone) = 0;
   /// Slots of another kind that hold what corresponds to something in a slot; valid until the next call.
@@ -58,10 +62,14 @@ class SimilarCollapses {
   virtual std::uint32_t holder(std::uint32_t slot) = 0;
   /// The copy of a component that a slot is of, if its copies are to have equally many slots; kNoIndex for none.
   [[nodiscard]] virtual std::uint32_t copy(std::uint32_t slot) const noexcept = 0;
-  /// All copies of what a copy is one of.
+  /// All copies of what a copy is one of, ascending.
   [[nodiscard]] virtual std::span<const std::uint32_t> copies_like(std::uint32_t copy) const = 0;
+  /// Whether one of them was joined to something else.
+  [[nodiscard]] virtual bool joined(std::uint32_t copy) const = 0;
   /// Whether all of them have equally many slots.
   [[nodiscard]] virtual bool even(std::uint32_t copy) const = 0;
+  /// The fewest slots that one of them has.
+  [[nodiscard]] virtual std::uint32_t least(std::uint32_t copy) const = 0;
   /// How many slots a copy has more than the least of those like it.
   [[nodiscard]] virtual std::uint32_t surplus(std::uint32_t copy) const = 0;
 };
@@ -89,7 +97,9 @@ class Decimation {
  public:
   Decimation(Metric& metric, CollapseComplex& complex, const DecimationOptions& options,
              SimilarCollapses* similar = nullptr)
-      : metric_(metric), complex_(complex), options_(options), similar_(similar) {}
+      : metric_(metric), complex_(complex), options_(options), similar_(similar) {
+    if (similar_ != nullptr) kinds_ = similar_->kinds();
+  }
 
   /// Offers the edges from number `first` on to the queue.
   void offer(std::uint32_t first) {
@@ -138,6 +148,7 @@ class Decimation {
     std::size_t first = 0, count = 0;
     double dissimilarity = kUnlike;
     bool chosen = false;
+    bool whole = false;             // every slot of either kind has a member
     bool touches = false;           // members are near one another
     std::uint32_t copy = kNoIndex;  // that loses a slot by it which others like it keep
   };
@@ -180,6 +191,7 @@ class Decimation {
   // What has not all of its counterparts, or may not be done with them, waits until it has cost so many times; and
   // again, from there on, whenever an end has grown.
   static constexpr double kPatience = 4;
+  static constexpr std::uint32_t kEven = kNoIndex - 1;  // of least_
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {
     Stale = 1,   // its ends have changed since its cost was found
@@ -187,7 +199,8 @@ class Decimation {
     Taken = 4,   // in a group of this step
     Out = 8,     // so, and no longer in the queue
     Alone = 16,  // has waited for counterparts in vain
-    Rest = 32    // in rest_
+    Rest = 32,   // in rest_
+    Pairs = 64   // in waiting_, not in the queue
   };
 
   [[nodiscard]] static std::uint32_t key_of(double cost) noexcept {
@@ -200,8 +213,13 @@ class Decimation {
   bool take(std::uint32_t most, Ready& ready);
   /// Fills `ready_` with the cheapest collapse and those that are done with it, at most so many.
   bool take_similar(std::uint32_t most);
-  /// Appends the group of the cheapest collapse, unless its key is above `most`; false if there is none.
-  bool take_group(std::uint32_t most);
+  /// Appends the group of a collapse that was taken from the queue: those of all edges whose ends correspond to its, if
+  /// it is independent.
+  void open_group(const Ready& ready);
+  /// Whether the last group is due. If so, it holds what may be done; else it is put back into the queue, or waits.
+  bool due();
+  /// Keeps the members of the last group from being taken again in this step.
+  void close_group();
   /// The edge that something left is now; kNoIndex if its ends are one.
   [[nodiscard]] std::uint32_t edge_of(const Left& left);
   /// Appends what the last step left to do, as far as it is independent; false if there is none.
@@ -209,6 +227,8 @@ class Decimation {
   /// Appends the group of the cheapest collapse as far as it is independent, and leaves the rest of it to the next
   /// step; false if there is none.
   bool take_first(std::uint32_t most);
+  /// Takes note of the copies that an edge's collapse takes a slot from.
+  void thin(std::uint32_t edge);
   /// Has slots joined next that together become what corresponds to one that the step made.
   void catch_up();
   /// Has an edge collapsed in the next step.
@@ -217,13 +237,11 @@ class Decimation {
     complex_.note(edge) |= Rest;
     rest_.push_back({edge, complex_.edge(edge)});
   }
-  /// Appends to `ready_` the collapses of all edges between slots of two kinds, but one edge; whether each of those
+  /// Appends to `ready_` all edges between slots of the kinds of an edge's ends, but itself; whether each of those
   /// slots has one.
-  bool gather(std::uint64_t a, std::uint64_t b, std::uint32_t but);
+  bool gather(std::uint32_t edge);
   /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done.
   bool evaluate(std::uint32_t edge, Ready& ready);
-  /// Closes the group that begins at a place of `ready_`.
-  void close_group(std::size_t first, bool touches);
   /// The key of what members cost that share ends: of making one of all that they join.
   [[nodiscard]] std::uint32_t joint_key(std::span<const Ready> members) const;
   /// Finds fits of what corresponds, as if all were as wide as they are on average; the key of the dearest.
@@ -231,6 +249,18 @@ class Decimation {
   /// Has the collapse that is last in `ready_`, of one copy alone, wait for one of each other. Whether they are there:
   /// then they are in `ready_`, from where it was on.
   bool pair_up(std::uint32_t copy);
+  /// The cheapest that waits, as it may be done now; nothing if none does.
+  [[nodiscard]] std::optional<Ready> cheapest(WaitingList& list);
+  [[nodiscard]] bool waits(std::uint64_t e) const noexcept {
+    const std::uint32_t edge = CollapseQueue::edge_of(e);
+    return complex_.alive(edge) && (complex_.note(edge) & Pairs) != 0 && entry(edge) == e;
+  }
+  /// Appends to `ready_` what has waited.
+  void stop_waiting(const Ready& ready);
+  /// Puts back into the queue what waits of a copy and those like it.
+  void wake_copies(std::uint32_t copy);
+  /// Puts back into the queue what waits where slots of copies were joined so that it no longer should.
+  void settle();
   /// Appends the group of the cheapest that waits for one of each other copy, if it has waited long enough or nothing
   /// else is left to do.
   bool take_waiting(std::uint32_t key);
@@ -240,6 +270,7 @@ class Decimation {
     return gives_[copy];
   }
   /// The copy that an edge alone would take a slot from; kNoIndex for none.
+  [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept { return kinds_.empty() ? 0 : kinds_[slot]; }
   [[nodiscard]] std::uint32_t copy_of(std::uint32_t edge) const {
     const auto [a, b] = complex_.edge(edge);
     const std::uint32_t copy = similar_->copy(a);
@@ -279,11 +310,16 @@ class Decimation {
   DecimationOptions options_;
   CollapseQueue queue_;  // what does not match its edge's key is void
   SimilarCollapses* similar_;
+  std::span<const std::uint64_t> kinds_;  // of `similar`
   std::vector<Ready> ready_;
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
   std::vector<Left> rest_;
-  std::vector<std::deque<Ready>> waiting_;                     // by copy: for one of each other, the cheapest first
+  std::vector<WaitingList> waiting_of_;                        // by copy: for one of each other
+  WaitingList waiting_;                                        // the same
+  std::vector<std::uint32_t> ends_;                            // of gather()
+  std::vector<std::uint32_t> least_;                           // by the first of copies alike: how settle() left them
+  std::vector<std::uint32_t> thinned_;                         // copies that lost a slot in this step
   std::vector<std::uint32_t> gives_;                           // by copy: slots that a step takes from it alone
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse
@@ -356,7 +392,8 @@ void Decimation<Metric>::refresh(const CollapseComplex::Merged& merged) {
     }
   }
   for (const auto e : merged.edges) {
-    complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | Stale) & ~Alone);
+    if ((complex_.note(e) & Pairs) != 0) queue_.push(entry(e));
+    complex_.note(e) = static_cast<std::uint8_t>((complex_.note(e) | Stale) & ~(Alone | Pairs));
     if ((complex_.key(e) & kPenalty) != 0) {
       complex_.key(e) &= ~kPenalty;
       queue_.push(entry(e));
@@ -428,10 +465,11 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
          (similar_ == nullptr ? take(kNever, ready_[0]) : take_similar(first + count - complex_.steps()))) {
     for (Ready& ready : ready_) {
       if (ready.touches && !renew(ready)) continue;
+      if (similar_ != nullptr) thin(ready.edge);
       const auto merged = perform(ready);
       if (similar_ != nullptr) {
         similar_->merged(merged.slot, merged.gone);
-        made_.emplace_back(similar_->kind(merged.slot), merged.slot);
+        made_.emplace_back(kind(merged.slot), merged.slot);
       }
       done(merged.slot, merged.gone);
       if ((complex_.steps() & 1023U) == 0) {
@@ -441,6 +479,7 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
     }
     if (similar_ == nullptr) continue;
     catch_up();
+    settle();
     steps_.push_back(complex_.steps());
   }
   return true;

@@ -41,47 +41,50 @@ bool Decimation<Metric>::evaluate(std::uint32_t edge, Ready& ready) {
   if (may_be && options_.penalise_flips && turns(ready)) key |= kPenalty;
   if (key != complex_.key(edge)) {
     complex_.key(edge) = key;
+    complex_.note(edge) &= static_cast<std::uint8_t>(~Pairs);
     if (may_be && (complex_.note(edge) & Waits) == 0) queue_.push(entry(edge));
   }
   return may_be && (!options_.keep_topology || complex_.keeps_topology(edge));
 }
 
 template <class Metric>
-bool Decimation<Metric>::gather(std::uint64_t a, std::uint64_t b, std::uint32_t but) {
-  bool whole = true;
-  std::size_t ends = 0;  // of kind b
-  for (const auto slot : similar_->slots_of(a)) {
-    bool joined = false;
-    for (const auto edge : complex_.edges_of(slot)) {
-      const auto [u, v] = complex_.edge(edge);
+bool Decimation<Metric>::gather(std::uint32_t edge) {
+  const auto [from, to] = complex_.edge(edge);
+  const std::uint64_t a = kind(from);
+  const std::uint64_t b = kind(to);
+  if (a == 0 || b == 0) return true;
+  ends_.clear();
+  for (const auto slot : similar_->slots_like(from)) {
+    const std::size_t before = ends_.size();
+    for (const auto e : complex_.edges_of(slot)) {
+      const auto [u, v] = complex_.edge(e);
       const std::uint32_t other = u == slot ? v : u;
-      if (similar_->kind(other) != b || (a == b && other < slot)) continue;
-      joined = true;
-      Ready& ready = ready_.emplace_back();
-      if (edge == but || !evaluate(edge, ready)) {
-        whole = whole && edge == but;
-        ready_.pop_back();
-      }
+      if (kinds_[other] != b) continue;
+      ends_.push_back(other);
+      if (e != edge && (a != b || slot < other)) ready_.push_back({.edge = e});
     }
-    whole = whole && (joined || a == b);
+    if (ends_.size() == before) return false;
   }
-  for (const auto slot : similar_->slots_of(b)) {
-    const auto edges = complex_.edges_of(slot);
-    ends += std::ranges::any_of(edges, [&](std::uint32_t edge) {
-      const auto [u, v] = complex_.edge(edge);
-      return similar_->kind(u == slot ? v : u) == a;
-    });
-  }
-  return whole && ends == similar_->slots_of(b).size();
+  std::ranges::sort(ends_);
+  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
+  return ends_.size() == similar_->slots_like(to).size();
 }
 
 template <class Metric>
-void Decimation<Metric>::close_group(std::size_t first, bool touches) {
-  groups_.push_back({.first = first, .count = ready_.size() - first, .touches = touches});
-  for (Ready& member : std::span(ready_).subspan(first)) {
+void Decimation<Metric>::open_group(const Ready& ready) {
+  groups_.push_back({.first = ready_.size()});
+  ready_.push_back(ready);
+  if (independent(ready.edge)) groups_.back().whole = gather(ready.edge);
+}
+
+template <class Metric>
+void Decimation<Metric>::close_group() {
+  Group& group = groups_.back();
+  group.count = ready_.size() - group.first;
+  for (Ready& member : std::span(ready_).subspan(group.first)) {
     complex_.note(member.edge) |= Taken;
-    member.touches = touches;
-    if (touches) member.slots = complex_.edge(member.edge);
+    member.touches = group.touches;
+    if (group.touches) member.slots = complex_.edge(member.edge);
   }
 }
 
@@ -146,84 +149,127 @@ bool Decimation<Metric>::renew(Ready& ready) {
 }
 
 template <class Metric>
-bool Decimation<Metric>::take_group(std::uint32_t most) {
-  const std::size_t first = ready_.size();
-  Ready ready;
-  while (take(most, ready)) {
-    if (most == kNever && take_waiting(complex_.key(ready.edge))) {
-      queue_.push(entry(ready.edge));
-      return true;
-    }
-    ready_.push_back(ready);
-    const auto [a, b] = complex_.edge(ready.edge);
-    const auto kind_a = similar_->kind(a);
-    const auto kind_b = similar_->kind(b);
-    bool whole = kind_a == 0 || kind_b == 0 || gather(kind_a, kind_b, ready.edge);
-    const auto members = std::span(ready_).subspan(first);
-    bool touches = whole && members.size() > 1 && !apart(members);
-    const std::uint32_t joint = touches ? joint_key(members) : 0;
-    if (joint >= kForbidden) touches = whole = false;
-    std::uint32_t due = complex_.key(ready.edge);
-    const bool alike = whole && members.size() > 1;
-    if (alike)
-      due = std::max(due, fit_alike(members));
+bool Decimation<Metric>::due() {
+  Group& group = groups_.back();
+  const std::uint32_t edge = ready_[group.first].edge;
+  std::size_t kept = group.first + 1;
+  for (std::size_t k = kept; k < ready_.size(); ++k)
+    if (evaluate(ready_[k].edge, ready_[kept]))
+      ++kept;
     else
-      for (const Ready& member : members) due = std::max(due, complex_.key(member.edge));
-    if (touches) due = std::max(due, joint);
-    if (!whole && (complex_.note(ready.edge) & Alone) == 0) {
-      due = patient(due);
-      for (std::size_t k = first; k < ready_.size(); ++k) complex_.note(ready_[k].edge) |= Alone;
-    }
-    if (due == complex_.key(ready.edge)) {
-      complex_.note(ready.edge) |= Out;
-      const std::uint32_t copy = alike ? kNoIndex : copy_of(ready.edge);
-      if (copy != kNoIndex) ready_.resize(first + 1);
-      const bool alone = copy == kNoIndex || similar_->surplus(copy) > 0;
-      if (!alone && !pair_up(copy)) continue;
-      close_group(first, touches);
-      if (alone) groups_.back().copy = copy;
+      group.whole = false;
+  ready_.resize(kept);
+  const auto members = std::span(ready_).subspan(group.first);
+  group.touches = group.whole && members.size() > 1 && !apart(members);
+  const std::uint32_t joint = group.touches ? joint_key(members) : 0;
+  if (joint >= kForbidden) group.touches = group.whole = false;
+  std::uint32_t key = complex_.key(edge);
+  const bool alike = group.whole && members.size() > 1;
+  if (alike)
+    key = std::max({key, fit_alike(members), group.touches ? joint : 0});
+  else
+    for (const Ready& member : members) key = std::max(key, complex_.key(member.edge));
+  if (!group.whole && (complex_.note(edge) & Alone) == 0) {
+    key = patient(key);
+    for (const Ready& member : members) complex_.note(member.edge) |= Alone;
+  }
+  if (key == complex_.key(edge)) {
+    const std::uint32_t copy = alike ? kNoIndex : copy_of(edge);
+    if (copy == kNoIndex) return true;
+    ready_.resize(group.first + 1);
+    if (similar_->surplus(copy) > 0) {
+      group.copy = copy;
       return true;
     }
-    for (std::size_t k = first; k < ready_.size(); ++k) {
-      const std::uint32_t edge = ready_[k].edge;
-      if (k > first && complex_.key(edge) == due) continue;
-      complex_.key(edge) = due;
-      queue_.push(entry(edge));
+    if (pair_up(copy)) return true;
+  } else {
+    for (const Ready& member : members) {
+      if (member.edge != edge && complex_.key(member.edge) == key) continue;
+      complex_.key(member.edge) = key;
+      complex_.note(member.edge) &= static_cast<std::uint8_t>(~Pairs);
+      queue_.push(entry(member.edge));
     }
-    ready_.resize(first);
+    ready_.resize(group.first);
   }
-  return most == kNever && take_waiting(kNever);
+  groups_.pop_back();
+  return false;
 }
 
 template <class Metric>
 bool Decimation<Metric>::pair_up(std::uint32_t copy) {
-  complex_.note(ready_.back().edge) |= Taken;
-  waiting_.resize(std::max<std::size_t>(waiting_.size(), copy + 1));
-  waiting_[copy].push_back(ready_.back());
+  const std::uint32_t edge = ready_.back().edge;
   ready_.pop_back();
   const auto copies = similar_->copies_like(copy);
-  const auto waits = [&](std::uint32_t like) { return like < waiting_.size() && !waiting_[like].empty(); };
-  if (!std::ranges::all_of(copies, waits) || !similar_->even(copy)) return false;
-  for (const auto like : copies) {
-    ready_.push_back(waiting_[like].front());
-    waiting_[like].pop_front();
-  }
+  if (waiting_of_.size() <= copies.back()) waiting_of_.resize(copies.back() + 1);
+  complex_.note(edge) |= Pairs;
+  waiting_of_[copy].add(entry(edge));
+  waiting_.add(entry(edge));
+  const auto has_one = [&](std::uint32_t like) { return cheapest(waiting_of_[like]).has_value(); };
+  if (!similar_->even(copy) || !std::ranges::all_of(copies, has_one)) return false;
+  for (const auto like : copies) stop_waiting(*cheapest(waiting_of_[like]));
   return true;
+}
+
+template <class Metric>
+auto Decimation<Metric>::cheapest(WaitingList& list) -> std::optional<Ready> {
+  while (const auto e = list.cheapest([this](std::uint64_t entry) { return waits(entry); })) {
+    // What is near has changed since it began to wait.
+    Ready ready;
+    const bool may_be = evaluate(CollapseQueue::edge_of(*e), ready);
+    if (may_be && waits(*e)) return ready;
+    complex_.note(ready.edge) &= static_cast<std::uint8_t>(~Pairs);
+    if (!may_be && (complex_.key(ready.edge) & ~kPenalty) < kForbidden) complex_.note(ready.edge) |= Waits;
+  }
+  return {};
+}
+
+template <class Metric>
+void Decimation<Metric>::stop_waiting(const Ready& ready) {
+  complex_.note(ready.edge) = static_cast<std::uint8_t>((complex_.note(ready.edge) | Out) & ~Pairs);
+  ready_.push_back(ready);
 }
 
 template <class Metric>
 bool Decimation<Metric>::take_waiting(std::uint32_t key) {
   // Of unit area and diagonal: what moves the surface by less than a hundred-thousandth may wait.
   const std::uint32_t little = key_of(1e-10);
-  std::deque<Ready>* cheapest = nullptr;
-  for (auto& list : waiting_)
-    if (!list.empty() && (cheapest == nullptr || entry(list.front().edge) < entry(cheapest->front().edge)))
-      cheapest = &list;
-  if (cheapest == nullptr || std::max(patient(complex_.key(cheapest->front().edge)), little) > key) return false;
-  ready_.push_back(cheapest->front());
-  cheapest->pop_front();
-  close_group(ready_.size() - 1, false);
+  const auto first = cheapest(waiting_);
+  if (!first || std::max(patient(complex_.key(first->edge)), little) > key) return false;
+  groups_.push_back({.first = ready_.size()});
+  stop_waiting(*first);
   return true;
+}
+
+template <class Metric>
+void Decimation<Metric>::wake_copies(std::uint32_t copy) {
+  for (const auto like : similar_->copies_like(copy)) {
+    if (like >= waiting_of_.size()) continue;
+    for (const auto e : waiting_of_[like].release()) {
+      if (!waits(e)) continue;
+      complex_.note(CollapseQueue::edge_of(e)) &= static_cast<std::uint8_t>(~Pairs);
+      queue_.push(e);
+    }
+  }
+}
+
+template <class Metric>
+void Decimation<Metric>::thin(std::uint32_t edge) {
+  const auto [a, b] = complex_.edge(edge);
+  for (const auto slot : {a, b})
+    if (similar_->copy(slot) != kNoIndex) thinned_.push_back(similar_->copy(slot));
+}
+
+template <class Metric>
+void Decimation<Metric>::settle() {
+  for (const auto copy : thinned_) {
+    const std::uint32_t first = similar_->copies_like(copy).front();
+    if (least_.size() <= first) least_.resize(first + 1, kEven);
+    const std::uint32_t least = similar_->joined(copy) ? kNoIndex
+                                : similar_->even(copy) ? kEven
+                                                       : similar_->least(copy);
+    if (std::exchange(least_[first], least) != least) wake_copies(copy);
+  }
+  thinned_.clear();
 }
 
 template <class Metric>
@@ -252,13 +298,25 @@ bool Decimation<Metric>::take_rest(std::uint32_t most) {
       ready_.push_back(ready);
     }
   }
-  if (!ready_.empty()) close_group(0, false);
-  return !ready_.empty();
+  if (ready_.empty()) return false;
+  groups_.push_back({});
+  close_group();
+  return true;
 }
 
 template <class Metric>
 bool Decimation<Metric>::take_first(std::uint32_t most) {
-  if (!take_group(kNever)) return false;
+  for (Ready ready; groups_.empty();) {
+    if (!take(kNever, ready)) {
+      if (!take_waiting(kNever)) return false;
+    } else if (take_waiting(complex_.key(ready.edge))) {
+      queue_.push(entry(ready.edge));
+    } else {
+      open_group(ready);
+      if (due()) complex_.note(ready.edge) |= Out;
+    }
+  }
+  close_group();
   if (groups_.front().touches && ready_.size() <= most) {
     for (const Ready& member : ready_) reserved_.around(complex_, member.edge, Marks::Early);
     return true;
@@ -281,13 +339,13 @@ template <class Metric>
 void Decimation<Metric>::catch_up() {
   std::ranges::sort(made_);
   std::uint64_t done = 0;
-  for (const auto& [kind, slot] : made_) {
-    if (kind == std::exchange(done, kind)) continue;
+  for (const auto& [made, slot] : made_) {
+    if (made == std::exchange(done, made)) continue;
     for (const auto late : similar_->behind(slot))
       for (const auto edge : complex_.edges_of(late)) {
         const auto [u, v] = complex_.edge(edge);
-        const std::uint64_t other = similar_->kind(u == late ? v : u);
-        if (other == 0 || similar_->kind(late) + other != kind) continue;
+        const std::uint64_t other = kind(u == late ? v : u);
+        if (other == 0 || kind(late) + other != made) continue;
         const std::uint32_t copy = copy_of(edge);
         if (copy == kNoIndex || similar_->surplus(copy) > 0) postpone(edge);
       }
@@ -340,26 +398,38 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   // What may come along, by what it costs.
   const auto [a, b] = complex_.edge(ready_[0].edge);
   const std::uint32_t dear = dearest(complex_.key(ready_[0].edge));
-  const std::size_t looks = similar_->begin(a, b);
+  similar_->begin(a, b);
+  const std::size_t looks = similar_->looks();
+  const auto dissimilarity = [&](std::uint32_t edge) {
+    const auto [u, v] = complex_.edge(edge);
+    return complex_.key(edge) <= dear ? similar_->dissimilarity(u, v) : kUnlike;
+  };
   dissimilarities_.clear();
   // What one copy has more than others goes at once, whatever it is like.
-  while (groups_.size() <= looks && take_group(copy == kNoIndex ? dear : kForbidden - 1)) {
+  Ready ready;
+  while (ready_.size() <= looks && take(copy == kNoIndex ? dear : kForbidden - 1, ready)) {
+    open_group(ready);
+    const bool free = independent(ready.edge);
+    if (free || !reserved_.early(complex_.edge(ready.edge))) similar_->look(ready_.size() - groups_.back().first);
+    // Most of what comes is near something chosen, or unlike: found out before what it costs with its counterparts.
+    const bool may_be_more = copy != kNoIndex && copy_of(ready.edge) == copy;
+    const double unlike = !free ? kUnlike : may_be_more ? 0 : dissimilarity(ready.edge);
+    if (unlike < kUnlike && !due()) continue;
     Group& group = groups_.back();
-    const std::uint32_t edge = ready_[group.first].edge;
-    const auto [u, v] = complex_.edge(edge);
-    const bool free = independent(edge);
-    if (free || !reserved_.early({u, v})) similar_->look();
-    if (!free) continue;
+    complex_.note(ready.edge) |= Out;
+    close_group();
+    if (unlike == kUnlike) continue;
     if (copy != kNoIndex && group.copy == copy) {
       choose_whole(group, most);
       continue;
     }
-    group.dissimilarity = complex_.key(edge) <= dear ? similar_->dissimilarity(u, v) : kUnlike;
+    const std::uint32_t first = ready_[group.first].edge;  // of a pair another
+    group.dissimilarity = may_be_more || first != ready.edge ? dissimilarity(first) : unlike;
     if (group.dissimilarity == kUnlike) continue;
     if (similar_->ranks())
       dissimilarities_.push_back(group.dissimilarity);
     else
-      choose_whole(group, most);  // at once: most of what comes is near something chosen
+      choose_whole(group, most);
   }
   if (similar_->ranks()) {
     const double below = similar_->threshold(dissimilarities_);
@@ -370,10 +440,6 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   for (std::size_t k = groups_.size(); k-- > 0;)  // the dearest first, as the queue asks for
     if (!groups_[k].chosen)
       for (std::size_t i = groups_[k].count; i-- > 0;) give_back(ready_[groups_[k].first + i].edge);
-  for (auto& list : waiting_) {
-    for (const Ready& ready : list) give_back(ready.edge);
-    list.clear();
-  }
   std::size_t kept = 0;
   for (const Group& group : groups_)
     if (group.chosen)

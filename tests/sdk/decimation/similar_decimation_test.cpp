@@ -130,6 +130,26 @@ TEST(SimilarDecimation, KeepsNoisyAndRemeshedCopiesEven) {
   }
 }
 
+TEST(SimilarDecimation, KeepsTheTopologyOfNoisyCopies) {
+  // What waits for one of each other copy may have to be left alone by the time that they have come.
+  std::mt19937 random(1);
+  Mesh copies;
+  for (int k = 0; k < 6; ++k) {
+    Mesh one = surfaces::torus(2, 0.7, 24, 10, 0.3);
+    for (auto& p : one.positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] += 0.05 * (static_cast<double>(random()) / 0xFFFF'FFFFU - 0.5);
+    copies = surfaces::together(copies, surfaces::moved(one, {6.0 * k, 0, 0}));
+  }
+  const Hierarchy h = similar_of(copies, {}, {.keep_topology = true});
+  for (const std::size_t spheres : {std::size_t{600}, std::size_t{200}, h.min_spheres()}) {
+    const auto level = h.level(h.spheres_after(h.steps_to(spheres)));
+    ASSERT_TRUE(level);
+    EXPECT_TRUE(level->edges.empty()) << spheres;
+    EXPECT_EQ(level->triangles.size(), 2 * level->spheres.size()) << spheres;  // of tori
+  }
+  EXPECT_LT(h.min_spheres(), 120U);
+}
+
 TEST(SimilarDecimation, GivesTurnedCopiesTheSameSpheres) {
   // Radii are bounded by extents along fixed directions, of which turned copies have others.
   const Mesh one = surfaces::torus(2, 0.7, 40, 16, 0.3);
