@@ -366,10 +366,10 @@ void Counterparts::merge(std::uint32_t kept, std::uint32_t gone) {
   if (holds_[kept] == kNoIndex) holds_[kept] = holds_[gone];
 }
 
-std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot) {
+std::span<const std::uint32_t> Counterparts::behind(std::uint32_t slot, std::size_t& walks) {
   behind_.clear();
   if (kinds_.empty() || kinds_[slot] == 0) return behind_;
-  for (auto v = next_[holds_[slot]]; v != holds_[slot]; v = next_[v])
+  for (auto v = next_[holds_[slot]]; v != holds_[slot] && walks > 0; v = next_[v], --walks)
     if (const auto other = holder(v); kinds_[other] != kinds_[slot]) behind_.push_back(other);
   return behind_;
 }

@@ -45,8 +45,8 @@ class Counterparts {
   /// Two slots became one.
   void merge(std::uint32_t kept, std::uint32_t gone);
   /// Slots of another kind that hold what corresponds to something in a slot: all that together could become its like.
-  /// Valid until the next call.
-  std::span<const std::uint32_t> behind(std::uint32_t slot);
+  /// Valid until the next call. Every walk past what corresponds is taken from `walks`; without any left it ends.
+  std::span<const std::uint32_t> behind(std::uint32_t slot, std::size_t& walks);
   /// The slot that what was in a slot at first is in now.
   [[nodiscard]] std::uint32_t holder(std::uint32_t slot) noexcept;
 

@@ -2,10 +2,12 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <armature/sdk/decimation/similar_decimation.h>
 
 #include "sdk/decimation/similar_regions.h"
 #include "sdk/hierarchy/build_with.h"
+#include "sdk/mesh/lengths.h"
 #include "sdk/mesh/point_surface.h"
 
 namespace armature::sdk {
@@ -26,6 +28,27 @@ Expected<void> checked(const SimilarityOptions& options) {
   return {};
 }
 
+/// Points in a unit about as large as all of them: likeness does not depend on it, but powers of lengths stay numbers.
+/// Returns the unit.
+double shrink(std::vector<Eigen::Vector3d>& positions) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : positions) box.extend(p);
+  const double unit = box.isEmpty() ? 1 : unit_near(length_of(box.diagonal()));
+  for (Eigen::Vector3d& p : positions) p /= unit;
+  return unit;
+}
+
+Mesh shrunk(Mesh mesh) {
+  shrink(mesh.positions);
+  return mesh;
+}
+
+PointSet shrunk(PointSet points) {
+  const double unit = shrink(points.positions);
+  for (double& area : points.areas) area = area / unit / unit;
+  return points;
+}
+
 bool does_one_at_a_time(const SimilarityOptions& options) {
   return options.threshold == 0 && !options.adaptive;
 }
@@ -37,7 +60,7 @@ Expected<std::unique_ptr<SimilarRegions>> similar_regions(const Mesh& mesh, cons
   const auto start = Clock::now();
   Correspondence correspondence;
   if (options.in_step) {
-    auto found = find_correspondence(mesh, task);
+    auto found = find_correspondence(shrunk(mesh), task);
     if (!found) return tl::unexpected(found.error());
     correspondence = std::move(*found);
   }
@@ -101,16 +124,18 @@ Expected<SimilarBuild> build_similar(const Fitted& shape, const HierarchyOptions
 Expected<std::unique_ptr<Descriptor>> region_descriptor(const Mesh& mesh, const SimilarityOptions& options,
                                                         const Task& task) {
   if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
-  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(mesh);
-  return gls_of(point_set_of(mesh), options, task);
+  const Mesh scaled = shrunk(mesh);
+  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(scaled);
+  return gls_of(point_set_of(scaled), options, task);
 }
 
 Expected<std::unique_ptr<Descriptor>> region_descriptor(const PointSet& points, const SimilarityOptions& options,
                                                         const Task& task) {
   if (auto fine = checked(options); !fine) return tl::unexpected(fine.error());
   if (auto fine = validate(points); !fine) return tl::unexpected(fine.error());
-  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(points);
-  return gls_of(points, options, task);
+  PointSet scaled = shrunk(points);
+  if (options.descriptor == RegionDescriptor::Quadric) return quadric_descriptor(scaled);
+  return gls_of(std::move(scaled), options, task);
 }
 
 Expected<SimilarBuild> build_similar_hierarchy(const Mesh& mesh, const Descriptor& descriptor,

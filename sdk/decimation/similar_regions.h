@@ -32,7 +32,9 @@ class SimilarRegions final : public SimilarCollapses {
     return counterparts_.like(slot);
   }
   void merged(std::uint32_t kept, std::uint32_t gone) override;
-  std::span<const std::uint32_t> behind(std::uint32_t slot) override { return counterparts_.behind(slot); }
+  std::span<const std::uint32_t> behind(std::uint32_t slot, std::size_t& walks) override {
+    return counterparts_.behind(slot, walks);
+  }
   std::uint32_t holder(std::uint32_t slot) override { return counterparts_.holder(slot); }
   [[nodiscard]] std::uint32_t copy(std::uint32_t slot) const noexcept override { return counterparts_.copy(slot); }
   [[nodiscard]] std::span<const std::uint32_t> copies_like(std::uint32_t copy) const override {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -56,8 +57,9 @@ class SimilarCollapses {
   [[nodiscard]] virtual std::span<const std::uint32_t> slots_like(std::uint32_t slot) const = 0;
   /// Two slots became one.
   virtual void merged(std::uint32_t kept, std::uint32_t gone) = 0;
-  /// Slots of another kind that hold what corresponds to something in a slot; valid until the next call.
-  virtual std::span<const std::uint32_t> behind(std::uint32_t slot) = 0;
+  /// Slots of another kind that hold what corresponds to something in a slot, as far as walking past that, one by one,
+  /// uses up `walks`; valid until the next call.
+  virtual std::span<const std::uint32_t> behind(std::uint32_t slot, std::size_t& walks) = 0;
   /// What a slot that was merged, or what it was merged into, is part of now.
   virtual std::uint32_t holder(std::uint32_t slot) = 0;
   /// The copy of a component that a slot is of, if its copies are to have equally many slots; kNoIndex for none.
@@ -191,6 +193,9 @@ class Decimation {
   // What has not all of its counterparts, or may not be done with them, waits until it has cost so many times; and
   // again, from there on, whenever an end has grown.
   static constexpr double kPatience = 4;
+  // Every collapse earns so many walks past a slot that is like another: with few copies as many as are asked for, with
+  // thousands of them so many that the time grows with the number of collapses alone.
+  static constexpr std::size_t kFirstWalks = 1024, kWalksEarned = 16;
   static constexpr std::uint32_t kEven = kNoIndex - 1;  // of least_
   static constexpr double kUnlike = std::numeric_limits<double>::infinity();
   enum Note : std::uint8_t {
@@ -208,6 +213,11 @@ class Decimation {
   }
   [[nodiscard]] std::uint64_t entry(std::uint32_t edge) const noexcept {
     return CollapseQueue::entry(complex_.key(edge), edge);
+  }
+  /// Whether the task was stopped, now and then asked in the midst of a step.
+  [[nodiscard]] bool to_stop() {
+    stopped_ = stopped_ || ((++tried_ & 1023U) == 0 && task_->stopped());
+    return stopped_;
   }
   /// The cheapest collapse that may be done, unless its key is above `most`; false if there is none.
   bool take(std::uint32_t most, Ready& ready);
@@ -238,7 +248,7 @@ class Decimation {
     rest_.push_back({edge, complex_.edge(edge)});
   }
   /// Appends to `ready_` all edges between slots of the kinds of an edge's ends, but itself; whether each of those
-  /// slots has one.
+  /// slots has one; false as well where there are no walks left to tell.
   bool gather(std::uint32_t edge);
   /// Finds what a collapse costs that is not at the head of the queue; false if it may not be done.
   bool evaluate(std::uint32_t edge, Ready& ready);
@@ -269,8 +279,9 @@ class Decimation {
     gives_.resize(std::max<std::size_t>(gives_.size(), copy + 1), 0);
     return gives_[copy];
   }
-  /// The copy that an edge alone would take a slot from; kNoIndex for none.
+  /// What a slot is of; 0 for what has no counterpart.
   [[nodiscard]] std::uint64_t kind(std::uint32_t slot) const noexcept { return kinds_.empty() ? 0 : kinds_[slot]; }
+  /// The copy that an edge alone would take a slot from; kNoIndex for none.
   [[nodiscard]] std::uint32_t copy_of(std::uint32_t edge) const {
     const auto [a, b] = complex_.edge(edge);
     const std::uint32_t copy = similar_->copy(a);
@@ -314,19 +325,25 @@ class Decimation {
   std::vector<Ready> ready_;
   std::vector<Group> groups_;
   std::vector<double> dissimilarities_;
+  std::size_t walks_ = kFirstWalks;  // that may still be done
   std::vector<Left> rest_;
-  std::vector<WaitingList> waiting_of_;                        // by copy: for one of each other
-  WaitingList waiting_;                                        // the same
-  std::vector<std::uint32_t> ends_;                            // of gather()
-  std::vector<std::uint32_t> least_;                           // by the first of copies alike: how settle() left them
-  std::vector<std::uint32_t> thinned_;                         // copies that lost a slot in this step
-  std::vector<std::uint32_t> gives_;                           // by copy: slots that a step takes from it alone
+  std::vector<WaitingList> waiting_of_;  // by copy: for one of each other
+  std::unordered_map<std::uint32_t, std::uint32_t>
+      lacks_;                           // by the first of copies alike: which of them pair_up() asks first
+  WaitingList waiting_;                 // the same
+  std::vector<std::uint32_t> ends_;     // of gather()
+  std::vector<std::uint32_t> least_;    // by the first of copies alike: how settle() left them
+  std::vector<std::uint32_t> thinned_;  // copies that lost a slot in this step
+  std::vector<std::uint32_t> gives_;    // by copy: slots that a step takes from it alone
   std::vector<std::pair<std::uint64_t, std::uint32_t>> made_;  // in this step: kinds and slots
   Marks reserved_;                                             // near a chosen collapse
   Marks near_;                                                 // of apart()
   std::vector<Memo> memos_;                                    // by edge; empty without `similar`
   std::vector<Change> changes_;                                // by slot; as well
   std::vector<std::uint32_t> steps_;
+  const Task* task_ = nullptr;  // of run()
+  std::uint32_t tried_ = 0;     // collapses, in all steps
+  bool stopped_ = false;
 };
 
 template <class Metric>
@@ -460,6 +477,7 @@ template <class Metric>
 template <class Done>
 bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done) {
   const std::uint32_t first = complex_.steps();
+  task_ = &task;
   ready_.resize(1);
   while (complex_.steps() - first < count &&
          (similar_ == nullptr ? take(kNever, ready_[0]) : take_similar(first + count - complex_.steps()))) {
@@ -470,6 +488,7 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
       if (similar_ != nullptr) {
         similar_->merged(merged.slot, merged.gone);
         made_.emplace_back(kind(merged.slot), merged.slot);
+        walks_ += kWalksEarned;
       }
       done(merged.slot, merged.gone);
       if ((complex_.steps() & 1023U) == 0) {
@@ -482,7 +501,7 @@ bool Decimation<Metric>::run(std::uint32_t count, const Task& task, Done&& done)
     settle();
     steps_.push_back(complex_.steps());
   }
-  return true;
+  return !stopped_;
 }
 
 }  // namespace armature::sdk

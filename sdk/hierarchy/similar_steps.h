@@ -53,8 +53,11 @@ bool Decimation<Metric>::gather(std::uint32_t edge) {
   const std::uint64_t a = kind(from);
   const std::uint64_t b = kind(to);
   if (a == 0 || b == 0) return true;
+  const auto like = similar_->slots_like(from);
+  if (like.size() > walks_) return false;
+  walks_ -= like.size();
   ends_.clear();
-  for (const auto slot : similar_->slots_like(from)) {
+  for (const auto slot : like) {
     const std::size_t before = ends_.size();
     for (const auto e : complex_.edges_of(slot)) {
       const auto [u, v] = complex_.edge(e);
@@ -168,7 +171,8 @@ bool Decimation<Metric>::due() {
   if (alike)
     key = std::max({key, fit_alike(members), group.touches ? joint : 0});
   else
-    for (const Ready& member : members) key = std::max(key, complex_.key(member.edge));
+    // What turns triangles over comes last by itself.
+    for (const Ready& member : members) key = std::max(key, complex_.key(member.edge) & ~kPenalty);
   if (!group.whole && (complex_.note(edge) & Alone) == 0) {
     key = patient(key);
     for (const Ready& member : members) complex_.note(member.edge) |= Alone;
@@ -204,8 +208,13 @@ bool Decimation<Metric>::pair_up(std::uint32_t copy) {
   complex_.note(edge) |= Pairs;
   waiting_of_[copy].add(entry(edge));
   waiting_.add(entry(edge));
-  const auto has_one = [&](std::uint32_t like) { return cheapest(waiting_of_[like]).has_value(); };
-  if (!similar_->even(copy) || !std::ranges::all_of(copies, has_one)) return false;
+  if (!similar_->even(copy)) return false;
+  // From the copy on that had none when last it was asked.
+  std::uint32_t& lacks = lacks_.try_emplace(copies.front(), 0U).first->second;
+  for (std::size_t asked = 0; asked < copies.size(); ++asked) {
+    if (!cheapest(waiting_of_[copies[lacks]])) return false;
+    lacks = static_cast<std::uint32_t>((lacks + 1) % copies.size());
+  }
   for (const auto like : copies) stop_waiting(*cheapest(waiting_of_[like]));
   return true;
 }
@@ -307,6 +316,7 @@ bool Decimation<Metric>::take_rest(std::uint32_t most) {
 template <class Metric>
 bool Decimation<Metric>::take_first(std::uint32_t most) {
   for (Ready ready; groups_.empty();) {
+    if (to_stop()) return false;
     if (!take(kNever, ready)) {
       if (!take_waiting(kNever)) return false;
     } else if (take_waiting(complex_.key(ready.edge))) {
@@ -341,7 +351,7 @@ void Decimation<Metric>::catch_up() {
   std::uint64_t done = 0;
   for (const auto& [made, slot] : made_) {
     if (made == std::exchange(done, made)) continue;
-    for (const auto late : similar_->behind(slot))
+    for (const auto late : similar_->behind(slot, walks_))
       for (const auto edge : complex_.edges_of(late)) {
         const auto [u, v] = complex_.edge(edge);
         const std::uint64_t other = kind(u == late ? v : u);
@@ -408,6 +418,7 @@ bool Decimation<Metric>::take_similar(std::uint32_t most) {
   // What one copy has more than others goes at once, whatever it is like.
   Ready ready;
   while (ready_.size() <= looks && take(copy == kNoIndex ? dear : kForbidden - 1, ready)) {
+    if (to_stop()) return false;
     open_group(ready);
     const bool free = independent(ready.edge);
     if (free || !reserved_.early(complex_.edge(ready.edge))) similar_->look(ready_.size() - groups_.back().first);

@@ -9,7 +9,7 @@ namespace armature::sdk {
 /// Unit length, or zero for what has no direction: zero and what is not finite. Survives lengths whose square does not.
 [[nodiscard]] inline Eigen::Vector3d direction_of(const Eigen::Vector3d& v) noexcept {
   const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0) || !std::isfinite(largest)) return Eigen::Vector3d::Zero();
+  if (!v.allFinite() || !(largest > 0)) return Eigen::Vector3d::Zero();
   return (v / largest).normalized();
 }
 

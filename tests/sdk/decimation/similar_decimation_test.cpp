@@ -11,6 +11,7 @@
 #include <armature/sdk/distance/measure.h>
 #include <armature/sdk/hierarchy/hierarchy_file.h>
 #include <armature/sdk/hierarchy/level_cursor.h>
+#include <armature/sdk/io/read_mesh.h>
 #include <gtest/gtest.h>
 
 #include "tests/sdk/hierarchy/shapes.h"
@@ -148,6 +149,30 @@ TEST(SimilarDecimation, KeepsTheTopologyOfNoisyCopies) {
     EXPECT_EQ(level->triangles.size(), 2 * level->spheres.size()) << spheres;  // of tori
   }
   EXPECT_LT(h.min_spheres(), 120U);
+}
+
+TEST(SimilarDecimation, EndsWhereSomeOfWhatCorrespondsTurnsTrianglesOver) {
+  // Seven noisy copies of a strip, some of their triangles missing.
+  const auto strips = read_mesh("tests/data/meshes/torn_strips.off");
+  ASSERT_TRUE(strips) << strips.error().message;
+  for (const RegionDescriptor descriptor : kAll) {
+    const auto coarse = decimate_similar_mesh(*strips, {.vertices = 1}, {.descriptor = descriptor});
+    ASSERT_TRUE(coarse) << coarse.error().message;
+    EXPECT_TRUE(build_similar_hierarchy(*strips, {}, {.descriptor = descriptor, .adaptive = true}));
+  }
+}
+
+TEST(SimilarDecimation, TakesAsManyStepsInAnyUnit) {
+  const Mesh mesh = bent();
+  for (const RegionDescriptor descriptor : {RegionDescriptor::GlsHistograms, RegionDescriptor::Quadric}) {
+    const Hierarchy h = similar_of(mesh, {.descriptor = descriptor});
+    for (const int power : {-900, -100, 100, 900}) {
+      Mesh other = mesh;
+      for (auto& p : other.positions)
+        p = Eigen::Vector3d(std::ldexp(p.x(), power), std::ldexp(p.y(), power), std::ldexp(p.z(), power));
+      EXPECT_EQ(similar_of(other, {.descriptor = descriptor}).parts().steps, h.parts().steps) << power;
+    }
+  }
 }
 
 TEST(SimilarDecimation, GivesTurnedCopiesTheSameSpheres) {
