@@ -34,9 +34,10 @@ struct SourceInfo {
 
 /// How a live source fares.
 struct SourceHealth {
-  std::string trouble;           ///< one line: why no frames come; empty where they do
+  std::string trouble{};         ///< one line: why no frames come; empty where they do
   std::uint64_t restarts = 0;    ///< of the process that reads the device
   std::uint64_t bad_frames = 0;  ///< that were torn on their way
+  double frames_per_second = 0;  ///< of the device that is open now; 0: as info() says
 };
 
 /// What may bring a silent device back, from gentle to hard.
@@ -64,7 +65,8 @@ class DepthSource {
   virtual void show(StatusLight) {}
 
   /// Hears from whoever reads it whether the frames are any good, if she can tell; until then they are. A source that
-  /// brings a silent device back by itself takes bad frames for silence. Thread-safe: yes. Realtime-safe: yes.
+  /// brings a silent device back by itself takes bad frames for silence. Thread-safe: yes.
+  /// Realtime-safe: yes.
   virtual void judge(bool /*good*/) noexcept {}
 
   /// Tries to bring a silent device back; a failure means that it has to be opened anew.

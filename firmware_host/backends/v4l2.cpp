@@ -38,6 +38,8 @@ constexpr std::array<Model, 6> kModels = {{{"D415", 65, 1},
 constexpr double kKinectFocal_px = 575.8;  // of 640 pixels
 constexpr std::size_t kBuffers = 4;
 constexpr std::uint16_t kNoDisparity = 1023;
+/// Z16 goes on to 65 m, where nothing is known to a few metres: what is farther is not seen.
+constexpr double kFarthest_mm = 10'000;
 /// A regular file in a test, or a driver that wakes too early, is readable and has nothing to read.
 constexpr auto kNothingYet = 2ms;
 
@@ -236,8 +238,10 @@ class V4l2Source final : public DepthSource {
           pixel = pixel == kNoDisparity ? std::uint16_t{0} : mm_of_raw_[std::size_t{pixel} * 2];
       } else {
         std::memcpy(out.data(), bytes + y * row_bytes_, row);
-        if (unit_mm_ == 1) continue;
-        for (std::uint16_t& pixel : out) pixel = static_cast<std::uint16_t>(std::lround(pixel * unit_mm_));
+        for (std::uint16_t& pixel : out) {
+          const double mm = pixel * unit_mm_;
+          pixel = mm <= kFarthest_mm ? static_cast<std::uint16_t>(std::lround(mm)) : std::uint16_t{0};
+        }
       }
     }
     frame.intrinsics = info_.intrinsics;

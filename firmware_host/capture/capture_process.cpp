@@ -170,7 +170,7 @@ const SourceInfo& CaptureProcess::info() const noexcept {
 SourceHealth CaptureProcess::health() const {
   const std::lock_guard lock(state_->mutex);
   return {state_->trouble, state_->restarts.load(std::memory_order_relaxed),
-          state_->bad_frames.load(std::memory_order_relaxed)};
+          state_->bad_frames.load(std::memory_order_relaxed), state_->frames.frames_per_second()};
 }
 
 void CaptureProcess::show(StatusLight light) {

@@ -17,12 +17,14 @@ enum class Reader : std::uint8_t {
 /// What to try next with a sensor that is silent, and when: gentle first, harder later, never giving up. Frames that
 /// are no good are silence.
 ///
-///     silence    0.5 s         1.2 s        2.2 s    3.5 s             and then, each after a longer pause up to 2 s
-///     step       restart the   reset the    reopen   restart the       restart the process
-///                stream        USB device   it       process
+///     silence    0.5 s         1.2 s        2.2 s    3.5 s             and then every 3.5 s
+///     step       restart the   reset the    reopen   restart the       restart the process; of every eighth
+///                stream        USB device   it       process           process all steps are tried again
 ///
 /// Silence is counted while a stream is open: from the last good frame, or from when the device was opened since. A
 /// step that opens it anew starts the count again, so that the next comes its whole time of the table after that.
+/// These pauses do not grow: who pulls the plug of a sensor that sends nothing and puts it back, unnoticed by the
+/// library, has frames within 5 s however long it was silent.
 ///
 /// A process that opens a device is left alone. One that finds none that opens is restarted after 10 s, then after 20,
 /// 40, 60 and every 60 s, for a library that has lost its way. One that hangs() is killed, whatever it was at.
@@ -37,6 +39,7 @@ class Recovery {
   void frame(Time now) noexcept {
     silent_since_ = now;
     tried_ = 0;
+    starts_ = 0;
     waits_ = 0;
     hung_opening_ = 0;
   }
@@ -44,14 +47,15 @@ class Recovery {
   /// doubles from 100 ms to 2 s while no frame comes.
   void process_ended(Time now, Reader hung_at = Reader::Gone) noexcept {
     if (hung_at == Reader::Opening) ++hung_opening_;
-    tried_ = std::max(tried_, kProcess);
+    tried_ = kProcess;
     due_ = std::max(now + pause(), last_start_ + pause());
   }
   void process_started(Time now) noexcept {
     silent_since_ = now;
     waiting_since_ = now;
     last_start_ = now;
-    tried_ = tried_ < kProcess ? 0 : tried_ + 1;
+    ++starts_;
+    if (tried_ < kProcess || starts_ % kAnew == 0) tried_ = 0;
     due_ = now + kPatience;
   }
 
@@ -74,24 +78,23 @@ class Recovery {
       const Time patience = std::min<Time>(10s * (1 << std::min(waits_, 3)), 60s);
       if (reader == Reader::Opening || now - waiting_since_ < patience) return Step::None;
       ++waits_;
-      tried_ = 0;  // it came back from the library: what was in vain before says nothing of the next open
+      tried_ = starts_ = 0;  // it came back from the library: what was in vain before says nothing of the next open
       return Step::RestartProcess;
     }
     waiting_since_ = now;
     const Time silent = now - silent_since_;
-    if (tried_ >= kProcess) return silent > kPatience ? restart() : Step::None;
     if (tried_ == 0 && silent > 500ms) return next(Step::RestartStream);
     if (tried_ == 1 && silent > 1200ms) return next(Step::ResetDevice);
     if (tried_ == 2 && silent > 2200ms) return next(Step::Reopen);
-    if (tried_ == 3 && silent > kPatience) return restart();
-    return Step::None;
+    return tried_ >= 3 && silent > kPatience ? restart() : Step::None;
   }
 
  private:
-  static constexpr int kProcess = 4;
+  static constexpr int kProcess = 4;  // steps
+  static constexpr int kAnew = 8;     // processes
   static constexpr Time kPatience{std::chrono::milliseconds(3500)};
   [[nodiscard]] Time pause() const noexcept {
-    const int doublings = std::clamp(tried_ - kProcess, 0, 5);
+    const int doublings = std::min(starts_, 5);
     return std::min<Time>(std::chrono::milliseconds(100) * (1 << doublings), std::chrono::seconds(2));
   }
   Step next(Step step) noexcept {
@@ -99,12 +102,13 @@ class Recovery {
     return step;
   }
   Step restart() noexcept {
-    tried_ = std::max(tried_, kProcess);
+    tried_ = kProcess;
     return Step::RestartProcess;
   }
 
   Time silent_since_{0}, waiting_since_{0}, due_{0}, last_start_{0};
-  int tried_ = 0;         // steps since the last frame; from kProcess on, starts of the process
+  int tried_ = 0;         // steps since the last frame, or since it began anew
+  int starts_ = 0;        // of the process, since the last frame
   int waits_ = 0;         // in vain, since the last frame
   int hung_opening_ = 0;  // processes killed in the midst of opening, since a frame, or one that found no device
 };

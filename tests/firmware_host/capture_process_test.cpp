@@ -96,6 +96,7 @@ TEST(Recovery, GoesFromGentleToHardAndNeverGivesUp) {
   }
   EXPECT_EQ((std::vector(steps.begin(), steps.begin() + 4)),
             (std::vector{RestartStream, ResetDevice, Reopen, RestartProcess}));
+  EXPECT_GT(std::ranges::count(steps, ResetDevice), 10) << "again and again, not once";
   EXPECT_GT(starts, 100);
   EXPECT_LE(longest_pause, 5s);
 }

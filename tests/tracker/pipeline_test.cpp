@@ -86,6 +86,40 @@ TEST(Pipeline, StopsInTheFrameInWhichNobodyIsThereAnyMore) {
   EXPECT_EQ(output->stop, StopReason::TrackingLost);
 }
 
+TEST(Pipeline, TakesARestPoseThoughTheSensorsClockStartsAnewMeanwhile) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  Pipeline pipeline(forest, {});
+  auto source = SynthSource::open("stand?size=160x120&seed=3");
+  ASSERT_TRUE(source);
+  DepthFrame frame;
+  for (int seen = 0; seen < 90; ++seen) {
+    const auto status = (*source)->read(frame, 1s);
+    ASSERT_TRUE(status && *status == ReadStatus::Frame);
+    frame.sensor.time = (seen < 15 ? 10'000s : 5s) + 33ms * seen;
+    if (pipeline.process(frame.view()).state == EngagementState::Engaged) return;
+  }
+  FAIL() << "she stood still for two seconds and never steered";
+}
+
+TEST(Pipeline, CallsNoMotionNoisyOfSomebodyWhoSettlesOrComesBackToRest) {
+  const auto forest = shipped_forest();
+  ASSERT_TRUE(forest);
+  for (const char* scene : {"bend_knees?size=320x240&seed=3", "pair_b?size=320x240&seed=1"}) {
+    Pipeline pipeline(forest, {});
+    auto source = SynthSource::open(scene);
+    ASSERT_TRUE(source);
+    bool engaged = false;
+    DepthFrame frame;
+    while (*(*source)->read(frame, 1s) == ReadStatus::Frame)
+      for (const TrackerEvent& event : pipeline.process(frame.view()).events) {
+        engaged = engaged || event.kind == TrackerEventKind::Engaged;
+        EXPECT_NE(event.kind, TrackerEventKind::MotionTooNoisy) << scene;
+      }
+    EXPECT_TRUE(engaged);
+  }
+}
+
 TEST(Pipeline, SaysWhomAnImageOfAnotherSizeMadeItForget) {
   const auto forest = shipped_forest();
   ASSERT_TRUE(forest);

@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A live source that has been silent for so long is said to be lost: with a cycle of the loop on top, sooner than
-/// subscribers stop by themselves. A slow sensor gets two and a half of its frames.
+/// subscribers stop by themselves. A slow sensor gets two and a half of its frames, if they come so soon.
 constexpr std::chrono::nanoseconds kSilence = 150ms;
 constexpr std::chrono::nanoseconds kLongestSilence = 200ms;
 constexpr std::chrono::nanoseconds kHealthInterval = 1s;
@@ -34,12 +34,9 @@ std::uint64_t resident_bytes() {
 }
 
 /// Frames come, as long as the last one is no older: two and a half of them.
-std::chrono::nanoseconds few_frames(const SourceInfo& info) {
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(2.5e9 / std::max(1.0, info.frames_per_second)));
-}
-
-std::chrono::nanoseconds silence_of(const SourceInfo& info) {
-  return std::clamp(few_frames(info), kSilence, kLongestSilence);
+std::chrono::nanoseconds few_frames(const SourceInfo& info, const SourceHealth& now) {
+  const double fps = now.frames_per_second > 0 ? now.frames_per_second : info.frames_per_second;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(2.5e9 / std::max(1.0, fps)));
 }
 
 template <class T>
@@ -243,29 +240,35 @@ void Daemon::State::watch_source(bool good_frame) {
   }
   if (good_frame) return;
   const auto now = options.clock->now();
-  if (now - last_refused > few_frames(capture.info())) refused_for = nullptr;
+  const auto few = few_frames(capture.info(), source);
+  if (now - last_refused > few) refused_for = nullptr;
   const std::string known = !source.trouble.empty() ? source.trouble
                             : refused_for != nullptr
                                 ? fmt::format("{} sends no good frames: {}", config.source, refused_for)
                                 : "";
+  const auto nothing_for = [this](std::chrono::nanoseconds span) {
+    return fmt::format("{} has sent no frame for {} ms", config.source, span / 1ms);
+  };
   const auto unheard_of = now - last_frame;
   if (silent) {
     if (last_state != EngagementState::Absent && unheard_of > config.tracker.engagement.lost_timeout) {
       let_go();
       stop_camera(wire::StopReason::SourceFailed);
     }
-    // Why, as far as is known by now: at first it is only that nothing comes.
-    if (known.empty() || known == trouble) return;
-    trouble = known;
+    // Why, as far as is known by now: at first it is only that nothing comes, or frames that are no good, until they
+    // stop as well.
+    const bool nothing_comes = known.empty() && blames_frames && now - last_refused > kLongestSilence;
+    if (!nothing_comes && (known.empty() || known == trouble)) return;
+    trouble = nothing_comes ? nothing_for(now - last_refused) : known;
+    blames_frames = source.trouble.empty() && refused_for != nullptr;
     show_state();
     say(wire::EventKind::Warning, trouble);
     return;
   }
-  if (source.trouble.empty() && unheard_of < silence_of(capture.info())) return;
+  if (source.trouble.empty() && unheard_of < std::clamp(few, kSilence, kLongestSilence)) return;
   silent = true;
-  trouble = known.empty() ? fmt::format("{} has sent no frame for {} ms", config.source,
-                                        (now - std::max(last_frame, last_refused)) / 1ms)
-                          : known;
+  trouble = known.empty() ? nothing_for(now - std::max(last_frame, last_refused)) : known;
+  blames_frames = source.trouble.empty() && refused_for != nullptr;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
@@ -300,7 +303,7 @@ wire::HealthMessage Daemon::State::health() const {
   message.source_trouble = trouble;
   message.frames_processed = processed;
   message.frames_dropped = capture.dropped();
-  message.frames_received = processed + capture.dropped();
+  message.frames_received = processed + capture.dropped() + metrics.bad_frames.load(std::memory_order_relaxed);
   message.frames_per_second = frames_per_second;
   message.latency_p50_us = us(latency.percentile(0.50));
   message.latency_p99_us = us(latency.percentile(0.99));

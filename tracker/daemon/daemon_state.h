@@ -77,7 +77,8 @@ struct Daemon::State {
   std::uint64_t processed = 0, processed_at_last_health = 0;
   float frames_per_second = 0;
   bool silent = false;
-  std::string trouble;  // why, while it is silent
+  std::string trouble;         // why, while it is silent
+  bool blames_frames = false;  // it says what is wrong with those that come
   FrameGuard guard;
   const char* refused_for = nullptr;  // what was wrong with the first of the bad frames that come; null: none do
   std::chrono::nanoseconds last_refused{0};

@@ -45,7 +45,7 @@ const char* FrameGuard::complaint(const DepthView& frame) noexcept {
     const auto apart = by_sensor > by_host ? by_sensor - by_host : by_host - by_sensor;
     if (k != intrinsics_) odd = "a frame of another size";
     if (by_sensor <= 0ns || apart > kJump) odd = "a jump of the sensor's clock";
-    if (seen * 2 < seen_pixels_) odd = "a torn frame";
+    if (k == intrinsics_ && seen * 2 < seen_pixels_) odd = "a torn frame";
   }
   if (odd != nullptr && ++odd_in_a_row_ < kNewNormal) {
     return odd;

@@ -104,16 +104,18 @@ void RestEstimator::adopt(std::size_t count, const Vector3f& up) noexcept {
   }
   rest_ = RestPose{mean, user_frame(mean, up)};
   averaged_ = static_cast<int>(count);
-  measure_noise(count);
+  measure_noise(std::min(count, samples_within(kImproveSpan)));  // she may have settled before
 }
 
 void RestEstimator::improve(const Vector3f& up) noexcept {
   const std::size_t count = samples_within(kImproveSpan);
   if (!stands_still(count)) return;
   const float near = averaged_ < kYoungFrames ? kNearYoungRest : kNearRest;
-  const MotionAngles angles = motion_angles(recent(0).skeleton, *rest_);
-  for (std::size_t m = 0; m < kMotionCount; ++m) {
-    if (std::abs(motions_.curve(m).true_angle(angles.angle_rad[m])) > near * motions_.range_rad[m]) return;
+  for (const std::size_t age : {std::size_t{0}, count - 1}) {
+    const MotionAngles angles = motion_angles(recent(age).skeleton, *rest_);
+    for (std::size_t m = 0; m < kMotionCount; ++m) {
+      if (std::abs(motions_.curve(m).true_angle(angles.angle_rad[m])) > near * motions_.range_rad[m]) return;
+    }
   }
   averaged_ = std::min(averaged_ + 1, kAveragedFrames);
   const Skeleton mean = blended(rest_->skeleton, recent(0).skeleton, 1.0F / static_cast<float>(averaged_));
@@ -155,7 +157,8 @@ void RestEstimator::observe(const Skeleton& skeleton, const Vector3f& up, std::c
     }
     return;
   }
-  if (seen_ > 0 && time <= recent(0).time) return;
+  if (seen_ > 0 && time == recent(0).time) return;
+  if (seen_ > 0 && time < recent(0).time) seen_ = 0;  // a sensor that was opened anew counts from zero
   window_[seen_ % kWindow] = Sample{skeleton, time};
   ++seen_;
 

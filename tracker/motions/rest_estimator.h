@@ -40,7 +40,8 @@ class RestEstimator {
   /// Forgets the rest pose: another user, or the same one asked for a new one.
   void reset() noexcept;
 
-  /// One tracked frame. `up` is the floor's normal; `time` never runs backwards.
+  /// One tracked frame. `up` is the floor's normal. A `time` that runs backwards is that of a sensor that was opened
+  /// anew: stillness is looked for from there on.
   void observe(const Skeleton& skeleton, const Eigen::Vector3f& up, std::chrono::nanoseconds time) noexcept;
 
   [[nodiscard]] const std::optional<RestPose>& rest() const noexcept { return rest_; }

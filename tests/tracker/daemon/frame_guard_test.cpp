@@ -38,5 +38,18 @@ TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a torn frame") << "never normal";
 }
 
+TEST(FrameGuard, CallsASmallerImageWhatItIs) {
+  FrameGuard guard;
+  DepthFrame frame;
+  frame.intrinsics = {64, 48, 60, 60, 32, 24};
+  frame.depth_mm.assign(64 * 48, 2000);
+  EXPECT_EQ(guard.complaint(frame.view()), nullptr);
+  frame.intrinsics = {32, 24, 30, 30, 16, 12};
+  frame.depth_mm.assign(32 * 24, 2000);
+  frame.sensor.time += 33ms;
+  frame.host.time += 33ms;
+  EXPECT_STREQ(guard.complaint(frame.view()), "a frame of another size");
+}
+
 }  // namespace
 }  // namespace armature

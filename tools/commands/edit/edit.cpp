@@ -251,12 +251,12 @@ struct Moved {
   double farthest = 0;
 };
 
-/// Refuses what went so far that its way is no number.
+/// Refuses what went so far that squares of its way are no numbers.
 Expected<Moved> moved(const Arguments& arguments, std::span<const Eigen::Vector3d> before,
                       std::span<const Eigen::Vector3d> after) {
   Moved result;
   for (std::size_t v = 0; v < before.size(); ++v) {
-    const double way = (after[v] - before[v]).stableNorm();
+    const double way = (after[v] - before[v]).norm();
     if (!std::isfinite(way))
       return fail(
           fmt::format("--amount: {} moves vertices beyond all numbers; expected one nearer 0", arguments.amount));
