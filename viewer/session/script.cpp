@@ -20,8 +20,11 @@ sdk::Expected<Script> Script::read(const std::filesystem::path& path) {
   if (!file) return sdk::fail(path.string() + ": cannot be read; " + kExpected);
   Script script;
   std::size_t number = 0;
-  for (std::string line; std::getline(file, line);)
+  for (std::string line; std::getline(file, line);) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (number == 0 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     script.add(line, path.string() + ", line " + std::to_string(++number) + ": ");
+  }
   return script;
 }
 

@@ -5,6 +5,7 @@
 
 #include <armature/sdk/distance/measure.h>
 
+#include "viewer/session/arguments.h"
 #include "viewer/session/command.h"
 
 namespace armature::viewer {
@@ -29,11 +30,17 @@ std::string_view first_word(std::string_view line) {
   return line.substr(0, line.find(' '));
 }
 
+/// Arguments and all, but no comment.
+std::size_t words_in(std::string_view line) {
+  const auto words = split_words(line);
+  return words ? words->size() : 0;
+}
+
 /// Whether nothing is left of what a line did once another has been carried out right after it: that is the same
 /// command, with as many arguments (a camera may keep where it stands).
 bool replaces(std::string_view line, std::string_view before) {
   return replaces_itself(first_word(line)) && first_word(line) == first_word(before) &&
-         std::ranges::count(line, ' ') >= std::ranges::count(before, ' ');
+         words_in(line) >= words_in(before);
 }
 
 /// Whether a model's level is an approximation that can be measured.

@@ -64,6 +64,9 @@ TEST(Lines, OfACameraThatMovesCountOnce) {
   for (const char* line : {"camera 10 10", "camera 20 10", "wireframe on", "camera 30 10", "camera 40 10"})
     ASSERT_TRUE(session.execute(line));
   EXPECT_EQ(session.log(), (Words{"camera 20 10", "wireframe on", "camera 40 10"}));
+  for (const char* line : {"camera 10 20 7 1 2 3", "camera 30 40     # a comment is no argument"})
+    ASSERT_TRUE(session.execute(line));
+  EXPECT_EQ(*std::prev(session.log().end(), 2), "camera 10 20 7 1 2 3");
 }
 
 TEST(Lines, OfWorkStandWhereItBegan) {
@@ -227,6 +230,8 @@ TEST(Scripts, NameThePlaceOfWhatFailsWhereItHasOne) {
   EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 2: nothing.off"), 0U);
   std::ofstream(file)
       << "try open nothing.off\nmeanwhile mode shapes\ntry wait 0.01 models 7\nmeanwhile mode walk\nfit\n";
+  EXPECT_EQ(failure(Script(*Script::read(file))), "");
+  std::ofstream(file) << "\xEF\xBB\xBFmode walk\r\n";
   EXPECT_EQ(failure(Script(*Script::read(file))), "");
   std::ofstream(file) << "wait 0.01 models 7\nmode walk\n";
   EXPECT_EQ(failure(Script(*Script::read(file))).find(file + ", line 1: wait"), 0U);

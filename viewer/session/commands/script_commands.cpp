@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,8 @@ std::optional<double> number(const std::string& text) {
 }
 
 /// Whether a fact is as expected: the same text, or a number within the tolerance or the bound.
-bool holds(const std::string& found, const std::string& expected, double tolerance) {
+bool holds(const std::optional<std::string>& fact, const std::string& expected, double tolerance) {
+  const std::string found = fact.value_or("none");
   if (expected.starts_with(">") || expected.starts_with("<")) {
     const auto bound = number(expected.substr(1)), value = number(found);
     return bound && value && (expected[0] == '>' ? *value > *bound : *value < *bound);
@@ -34,19 +36,18 @@ bool holds(const std::string& found, const std::string& expected, double toleran
   return found == expected;
 }
 
-/// What a script calls a fact that is not there.
-constexpr const char* kNone = "none";
-
-std::string fact(const Session& session, const std::string& name) {
+/// Nothing where there is no such fact, which scripts call none.
+std::optional<std::string> fact(const Session& session, const std::string& name) {
   const auto facts = session.report();
   const auto place = facts.find(name);
-  return place == facts.end() ? kNone : place->second;
+  return place == facts.end() ? std::nullopt : std::optional(place->second);
 }
 
 /// Says that a fact is not as expected.
-std::string otherwise(const std::string& name, const char* is, const std::string& found, const std::string& expected) {
-  return found == kNone ? fmt::format("there is no fact {}, expected {}; `report` lists them", name, as_word(expected))
-                        : fmt::format("{} {} {}, expected {}", name, is, as_word(found), as_word(expected));
+std::string otherwise(const std::string& name, const char* is, const std::optional<std::string>& found,
+                      const std::string& expected) {
+  return found ? fmt::format("{} {} {}, expected {}", name, is, as_word(*found), as_word(expected))
+               : fmt::format("there is no fact {}, expected {}; `report` lists them", name, as_word(expected));
 }
 
 Done expect(Session& session, Arguments& arguments) {
@@ -54,7 +55,7 @@ Done expect(Session& session, Arguments& arguments) {
   const std::string expected = arguments.word("value");
   const double tolerance = arguments.left() > 0 ? arguments.number("tolerance", 0) : 0;
   if (auto checked = arguments.check(); !checked) return checked;
-  const std::string found = fact(session, name);
+  const auto found = fact(session, name);
   if (holds(found, expected, tolerance)) return {};
   return sdk::fail(otherwise(name, "is", found, expected));
 }
