@@ -65,8 +65,7 @@ class DepthSource {
   virtual void show(StatusLight) {}
 
   /// Hears from whoever reads it whether the frames are any good, if she can tell; until then they are. A source that
-  /// brings a silent device back by itself takes bad frames for silence. Thread-safe: yes.
-  /// Realtime-safe: yes.
+  /// brings a silent device back by itself takes bad frames for silence. Thread-safe: yes. Realtime-safe: yes.
   virtual void judge(bool /*good*/) noexcept {}
 
   /// Tries to bring a silent device back; a failure means that it has to be opened anew.

@@ -75,6 +75,10 @@ class EmulatedCamera {
     const std::lock_guard lock(mutex_);
     slowness_ = slowness;
   }
+  void look_at(int depth) {
+    const std::lock_guard lock(mutex_);
+    depth_ = depth;
+  }
   void tear_next() {
     const std::lock_guard lock(mutex_);
     tear_ = true;
@@ -164,8 +168,8 @@ class EmulatedCamera {
                                     (format_ == kZ16 ? kWidth * 2 : kWidth * 10 / 8));
     if (format_ == kZ16) {
       for (std::size_t i = 0; i < image.size(); i += 2) {
-        image[i] = static_cast<std::uint8_t>((1000 + sent_) & 0xFF);
-        image[i + 1] = static_cast<std::uint8_t>((1000 + sent_) >> 8);
+        image[i] = static_cast<std::uint8_t>((depth_ + sent_) & 0xFF);
+        image[i + 1] = static_cast<std::uint8_t>((depth_ + sent_) >> 8);
       }
     } else {
       for (std::size_t bit = 0; bit < image.size() * 8; ++bit) {
@@ -195,6 +199,7 @@ class EmulatedCamera {
   bool gone_ = true, streaming_ = false, tear_ = false;
   std::chrono::milliseconds slowness_{0};
   int sent_ = 0;
+  int depth_ = 1000;  // of the first image, in the camera's unit
   std::chrono::steady_clock::time_point next_;
 };
 
@@ -250,6 +255,19 @@ TEST_F(V4l2Test, ACamerasOwnUnitBecomesMillimetres) {
       EXPECT_EQ(frame.depth_mm.back(), frame.depth_mm.front());
     }
     camera.unplug();
+  }
+}
+
+TEST_F(V4l2Test, WhatIsFartherThanTenMetresIsNotSeen) {
+  EmulatedCamera camera(bus_, kZ16, "D435");
+  camera.look_at(9999);
+  camera.plug_in();
+  auto source = open_v4l2("/dev/video0", {});
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  for (const int depth : {9999, 10'000, 0, 0}) {
+    ASSERT_TRUE(frame_within(**source, frame, 5s));
+    EXPECT_EQ(frame.depth_mm, std::vector<std::uint16_t>(kWidth * kHeight, static_cast<std::uint16_t>(depth)));
   }
 }
 

@@ -125,7 +125,10 @@ def surface(cell):
 
 
 def main(arguments):
-    if not 2 <= len(arguments) <= 3:
+    if arguments[1:] in (["-h"], ["--help"]):
+        print(__doc__)
+        return 0
+    if not 2 <= len(arguments) <= 3 or arguments[1].startswith("-"):
         print(__doc__, file=sys.stderr)
         return 2
     positions, faces = surface(float(arguments[2]) if len(arguments) == 3 else 0.02)

@@ -147,6 +147,7 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageIsLostAndThatIsSaidOnce) {
   EXPECT_EQ((*daemon)->metrics().bad_frames.load(), SensorOfGarbage::kGarbage);
   EXPECT_EQ(sensor.called_bad(), SensorOfGarbage::kGarbage) << "so that it can be brought back";
   EXPECT_FALSE(nav.health()->source_alive);
+  EXPECT_GT(nav.health()->frames_received, nav.health()->frames_processed + 200) << "refused ones count";
   EXPECT_EQ(nav.health()->source_trouble, "a sensor sends no good frames: a garbage frame");
 }
 
