@@ -12,8 +12,8 @@ namespace armature {
 /// A source that is read by a process of its own (`lib/armature/armature-capture`), which hands frames over in shared
 /// memory, newest wins. A device library that crashes or hangs takes nobody with it: read() says Timeout, health() says
 /// why, and Recovery decides when the stream is restarted, the device reset or reopened, the process killed and started
-/// again, also while frames come of which judge() says that they are no good. It never gives up, so read() never fails;
-/// a recording's end is passed on.
+/// again, also while frames come of which judge() says that they are no good. It never gives up, so read() never fails.
+/// A recording's end is passed on; one of which half a second is called no good is started again with its process.
 class CaptureProcess final : public DepthSource {
  public:
   /// Fails only where the program is missing. With OpenOptions::wait_for_device, also where no frame comes within it.

@@ -46,7 +46,8 @@ Expected<DeformationSession> DeformationSession::start(const Mesh& mesh, const H
 
 DeformationSession::DeformationSession(const Hierarchy& hierarchy, HeatDiffusion diffusion, const Mesh& mesh,
                                        DeformOptions options)
-    : hierarchy_(&hierarchy),
+    : mesh_(&mesh),
+      hierarchy_(&hierarchy),
       diffusion_(std::make_unique<const HeatDiffusion>(std::move(diffusion))),
       options_(options),
       refit_(mesh, hierarchy),
@@ -100,7 +101,7 @@ void DeformationSession::weigh() {
 SkinWeights DeformationSession::weights_around_pins() {
   SkinWeights skin = options_.weights == WeightSource::Clusters
                          ? weights_.of(nodes_)
-                         : closest_primitive_weights(*diffusion_, *hierarchy_, level_.mesh(), nodes_.size());
+                         : closest_primitive_weights(*diffusion_, *hierarchy_, *mesh_, nodes_.size());
   // A pinned part of a sphere weighs on its own; it never moves.
   for (const NodeId pin : pinned_)
     for (std::size_t s = 0; s < nodes_.size(); ++s)

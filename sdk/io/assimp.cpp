@@ -41,12 +41,13 @@ class Assimp {
   /// Fails when the shared library is not installed.
   static Expected<Assimp> load() {
     void* const library = dlopen("libassimp.so.5", RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) return fail("expected OFF, OBJ, PLY or STL; other formats need assimp (libassimp5)");
+    if (library == nullptr) return fail("expected OFF, OBJ, PLY, STL or XYZ; other formats need assimp (libassimp5)");
     Assimp assimp;
     const bool complete = find(library, "aiCreatePropertyStore", assimp.create_properties) &&
                           find(library, "aiSetImportPropertyInteger", assimp.set_integer) &&
                           find(library, "aiImportFileExWithProperties", assimp.import_file) &&
                           find(library, "aiImportFileFromMemoryWithProperties", assimp.import_bytes) &&
+                          find(library, "aiIsExtensionSupported", assimp.is_supported) &&
                           find(library, "aiGetErrorString", assimp.error);
     if (!complete) return fail("assimp: expected version 5");
     return assimp;
@@ -56,6 +57,7 @@ class Assimp {
   decltype(&aiSetImportPropertyInteger) set_integer = nullptr;
   decltype(&aiImportFileExWithProperties) import_file = nullptr;
   decltype(&aiImportFileFromMemoryWithProperties) import_bytes = nullptr;
+  decltype(&aiIsExtensionSupported) is_supported = nullptr;
   decltype(&aiGetErrorString) error = nullptr;
 
  private:
@@ -106,6 +108,9 @@ Expected<Mesh> import(const Source& source) {
                                           extension.empty() ? "" : extension.c_str() + 1, properties)
                    : assimp->import_file(source.name.c_str(), kSteps, nullptr, properties);
   if (scene == nullptr) {
+    if (assimp->is_supported(extension.c_str()) == 0)
+      return fail("expected OFF, OBJ, PLY, STL, XYZ, glTF, FBX, Collada or what else assimp reads; found " +
+                  (extension.empty() ? "a name without an extension" : "`" + extension + "`"));
     const char* const reason = assimp->error();
     return fail("expected a mesh in a format that assimp reads; it says: " +
                 std::string(reason == nullptr || *reason == '\0' ? "no reason" : reason));

@@ -23,6 +23,10 @@ using namespace std::chrono_literals;
 /// subscribers stop by themselves. A slow sensor gets two and a half of its frames, if they come so soon.
 constexpr std::chrono::nanoseconds kSilence = 150ms;
 constexpr std::chrono::nanoseconds kLongestSilence = 200ms;
+/// A sensor of which no more than this share of pixels sees anything for so long is blind.
+constexpr double kNoSight = 1e-3;
+constexpr std::chrono::nanoseconds kBlindAfter = 5s;
+constexpr auto kBlind = "sees nothing: is the lens covered, the projector off, the sun on it, or all too near?";
 constexpr std::chrono::nanoseconds kHealthInterval = 1s;
 constexpr auto kCycle = 40ms;
 constexpr auto kVersion = ARMATURE_VERSION;
@@ -101,7 +105,7 @@ const Metrics& Daemon::metrics() const noexcept {
 Expected<void> Daemon::run(const std::stop_token& stop) {
   State& s = *state_;
   s.say(wire::EventKind::Started, fmt::format("armatured {} reads {}", kVersion, s.config.source));
-  s.last_frame = s.options.clock->now();
+  s.last_frame = s.last_sight = s.options.clock->now();
   s.stop_camera(wire::StopReason::NoUser);  // the first thing anybody hears
   s.service.ready();
   s.show_state();
@@ -137,6 +141,14 @@ void Daemon::State::compare_background(const Intrinsics& image) {
       fmt::format("{} is {} x {}, the sensor's image {} x {}: the background is learned from what is seen; make it "
                   "anew with `armature doctor --site URI --background FILE`",
                   config.background, empty->width, empty->height, image.width, image.height));
+}
+
+void Daemon::State::watch_sight() {
+  if (silent || guard.seen_share() > kNoSight) last_sight = last_frame;
+  if (blind == (last_frame - last_sight > kBlindAfter)) return;
+  blind = !blind;
+  metrics.source_blind.store(blind, std::memory_order_relaxed);
+  say(wire::EventKind::Warning, fmt::format("{} {}", config.source, blind ? kBlind : "sees again"));
 }
 
 bool Daemon::State::track(const DepthFrame& frame) {
@@ -175,6 +187,7 @@ bool Daemon::State::track(const DepthFrame& frame) {
   metrics.frames.fetch_add(1, std::memory_order_relaxed);
   metrics.latency.add(last_frame - received);
   for (std::size_t stage = 0; stage < kStageCount; ++stage) metrics.stage[stage].add(output.stage_time[stage]);
+  watch_sight();
   if (silent) {
     silent = false;
     trouble.clear();
@@ -300,7 +313,7 @@ wire::HealthMessage Daemon::State::health() const {
   message.version = kVersion;
   message.source = config.source;
   message.source_alive = !silent;
-  message.source_trouble = trouble;
+  message.source_trouble = silent ? trouble : blind ? kBlind : "";
   message.frames_processed = processed;
   message.frames_dropped = capture.dropped();
   message.frames_received = processed + capture.dropped() + metrics.bad_frames.load(std::memory_order_relaxed);

@@ -41,6 +41,8 @@ struct Daemon::State {
   /// Whether it was one to steer by.
   bool track(const DepthFrame& frame);
   void compare_background(const Intrinsics& image);
+  /// Says when frames come that show nothing, and when they show something again.
+  void watch_sight();
   void watch_source(bool good_frame);
   void note_state(EngagementState state);
   void tell(const TrackerEvent& event, const Navigation& steering);
@@ -83,6 +85,8 @@ struct Daemon::State {
   const char* refused_for = nullptr;  // what was wrong with the first of the bad frames that come; null: none do
   std::chrono::nanoseconds last_refused{0};
   bool said_background_misfits = false;
+  bool blind = false;                      // good frames come, and show nothing
+  std::chrono::nanoseconds last_sight{0};  // the last frame that showed something
   std::uint64_t torn_on_the_way = 0;
   EngagementState last_state = EngagementState::Absent;
   Metrics metrics;

@@ -56,6 +56,7 @@ const char* FrameGuard::complaint(const DepthView& frame) noexcept {
   sensor_ = frame.sensor.time;
   host_ = frame.host.time;
   seen_pixels_ = seen;
+  looked_at_ = looked_at;
   return nullptr;
 }
 

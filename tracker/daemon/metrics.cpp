@@ -74,6 +74,7 @@ std::string prometheus_text(const Metrics& metrics, std::string_view version) {
   say("frames_refused_total", "counter", "Torn or garbage frames, and jumps of the sensor's clock.",
       metrics.bad_frames.load());
   say("source_alive", "gauge", "Whether good frames come.", metrics.source_alive.load() ? 1 : 0);
+  say("source_blind", "gauge", "Whether good frames come that show nothing.", metrics.source_blind.load() ? 1 : 0);
   say("source_restarts_total", "counter", "Starts of the capture process after the first.", metrics.restarts.load());
   say("stops_total", "counter", "Zeros published because of the source.", metrics.stops.load());
   say("engagement_state", "gauge", "0 absent, 1 waiting, 2 calibrating, 3 engaged, 4 lost.", metrics.engagement.load());

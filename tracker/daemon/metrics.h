@@ -33,7 +33,7 @@ class Histogram {
 struct Metrics {
   std::atomic<std::uint64_t> frames{0}, dropped{0}, bad_frames{0}, restarts{0}, stops{0}, engaged{0}, released{0};
   std::atomic<std::uint64_t> strangers{0}, control_refused{0}, reloads{0}, reloads_refused{0}, resident_bytes{0};
-  std::atomic<bool> source_alive{false};
+  std::atomic<bool> source_alive{false}, source_blind{false};
   std::atomic<int> engagement{0};  ///< EngagementState
   Histogram latency;               ///< frame received to message handed to the socket
   std::array<Histogram, kStageCount> stage;

@@ -3,29 +3,50 @@
 #include <utility>
 
 #include "viewer/app/mesh_drawing.h"
+#include "viewer/scene/coarse_mesh.h"
 
 namespace armature::viewer {
 namespace {
 
-Scene scene_of(const sdk::Sphere& frame, const sdk::SphereMesh& shape, SpheresLook look) {
-  Scene scene(frame, kShapePalette);
-  scene.add(shape, {.shape = look == SpheresLook::Surface ? SphereMeshStyle::Shape::Surface
-                                                          : SphereMeshStyle::Shape::Structure});
-  return scene;
+/// As a sphere-mesh's triangles are coloured.
+constexpr Palette kFacetPalette = [] {
+  Palette palette = kShapePalette;
+  palette.mesh = palette.inside = palette.triangle;
+  return palette;
+}();
+
+/// What spans it, without its thickness.
+sdk::SphereMesh flat(sdk::SphereMesh shape) {
+  for (sdk::Sphere& sphere : shape.spheres) sphere.radius = 0;
+  return shape;
 }
 
 }  // namespace
 
-void SpheresDrawing::show(Drawing drawing, const Key& key) {
-  drawing_ = std::move(drawing);
+std::vector<std::shared_ptr<const Scene>> SpheresDrawing::make(const sdk::Sphere& frame, const sdk::SphereMesh& shape,
+                                                               SpheresLook look) const {
+  const bool surface = look == SpheresLook::Surface;
+  auto fine = std::make_shared<Scene>(frame, kShapePalette);
+  fine->add(shape, {.shape = surface ? SphereMeshStyle::Shape::Surface : SphereMeshStyle::Shape::Structure});
+  if (2 * shape.triangles.size() <= most_fluent_facets_) return {fine};
+  auto coarse = std::make_shared<Scene>(frame, kFacetPalette);
+  coarse->add(coarse_mesh(facets(surface ? shape : flat(shape)), coarse_cells_).mesh);
+  return {fine, coarse};
+}
+
+void SpheresDrawing::show(std::vector<Drawing> drawings, const Key& key) {
+  fine_ = std::move(drawings.front());
+  coarse_.reset();
+  if (drawings.size() > 1) coarse_ = std::move(drawings.back());
   key_ = key;
   ++changes_;
 }
 
 void SpheresDrawing::clear() {
   rest();
-  if (!drawing_) return;
-  drawing_.reset();
+  if (!fine_) return;
+  fine_.reset();
+  coarse_.reset();
   ++changes_;
 }
 
@@ -33,20 +54,23 @@ void SpheresDrawing::follow(const std::shared_ptr<const Model>& model, SpheresLo
   const Key key{Identity(model), model->spheres_revision, look};
   take_made();
   if (making() && asked_.model != key.model) rest();
-  if (auto sent = take_sent()) show(std::move(sent->front()), asked_);
-  if (drawing_ && key_ == key) return;
-  if (drawing_ && key_.model != key.model) clear();
+  if (auto sent = take_sent()) show(std::move(*sent), asked_);
+  if (fine_ && key_ == key) return;
+  if (fine_ && key_.model != key.model) clear();
   const auto& shape = model->spheres->shape;
   if (at_once || shape->spheres.size() <= most_at_once_) {
     rest();
-    return show(Drawing(scene_of(model->around(), *shape, look)), key);
+    std::vector<Drawing> drawings;
+    for (const auto& scene : make(model->around(), *shape, look)) drawings.emplace_back(*scene);
+    return show(std::move(drawings), key);
   }
   if (making() || (failed_ && asked_ == key)) return;
   failed_ = false;
   asked_ = key;
   making_.start("drawing", [this, frame = model->around(), shape, look](const sdk::Task&) {
-    auto scene = std::make_shared<const Scene>(scene_of(frame, *shape, look));
-    return sdk::Expected<Job::Apply>([this, scene] { sending_.emplace_back(scene); });
+    return sdk::Expected<Job::Apply>([this, scenes = make(frame, *shape, look)] {
+      for (const auto& scene : scenes) sending_.emplace_back(scene);
+    });
   });
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "viewer/app/sending.h"
 #include "viewer/session/job.h"
@@ -12,20 +13,26 @@
 
 namespace armature::viewer {
 
-/// A model's sphere-mesh on the card. That of many spheres is made in the background and sent in bits; until it is
-/// there the drawing is that of before, or none of another model.
+/// A model's sphere-mesh on the card, and a coarse mesh of its flat parts where these are many, to draw while something
+/// moves. That of many spheres is made in the background and sent in bits; until it is there the drawings are those of
+/// before, or none of another model.
 class SpheresDrawing : public BackgroundDrawing {
  public:
-  /// A sphere-mesh of more spheres is large.
-  explicit SpheresDrawing(std::size_t most_at_once) : most_at_once_(most_at_once) {}
+  /// A sphere-mesh of more spheres is large. One of more facets has a coarse mesh, by a grid of so many cells along its
+  /// longest side.
+  SpheresDrawing(std::size_t most_at_once, std::size_t most_fluent_facets, std::size_t coarse_cells)
+      : most_at_once_(most_at_once), most_fluent_facets_(most_fluent_facets), coarse_cells_(coarse_cells) {}
 
   /// Shows what the spheres look like now, or as soon as it is there; `at_once`: now, however long that takes.
   void follow(const std::shared_ptr<const Model>& model, SpheresLook look, bool at_once);
   /// Nothing is shown any more.
   void clear();
 
+  ///@{
   /// Or none.
-  [[nodiscard]] const Drawing* drawing() const noexcept { return drawing_ ? &*drawing_ : nullptr; }
+  [[nodiscard]] const Drawing* fine() const noexcept { return fine_ ? &*fine_ : nullptr; }
+  [[nodiscard]] const Drawing* coarse() const noexcept { return coarse_ ? &*coarse_ : nullptr; }
+  ///@}
 
  private:
   /// What is drawn.
@@ -35,11 +42,14 @@ class SpheresDrawing : public BackgroundDrawing {
     SpheresLook look = SpheresLook::Surface;
     friend bool operator==(const Key&, const Key&) = default;
   };
-  void show(Drawing drawing, const Key& key);
+  /// The coarse one last, where there is one.
+  [[nodiscard]] std::vector<std::shared_ptr<const Scene>> make(const sdk::Sphere& frame, const sdk::SphereMesh& shape,
+                                                               SpheresLook look) const;
+  void show(std::vector<Drawing> drawings, const Key& key);
 
-  std::size_t most_at_once_;
-  std::optional<Drawing> drawing_;
-  Key key_, asked_;  // of the drawing; of the one that is being made
+  std::size_t most_at_once_, most_fluent_facets_, coarse_cells_;
+  std::optional<Drawing> fine_, coarse_;
+  Key key_, asked_;  // of the drawings; of those that are being made
 };
 
 }  // namespace armature::viewer

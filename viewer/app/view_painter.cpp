@@ -47,7 +47,7 @@ void ViewPainter::gather_shapes(const Looks& looks, const std::shared_ptr<const 
   }
   if (model.spheres && looks.spheres != SpheresLook::Off) {
     spheres_->follow(held, looks.spheres, at_once);
-    if (spheres_->drawing() != nullptr) drawings_.push_back(spheres_->drawing());
+    if (spheres_->fine() != nullptr) drawings_.push_back(spheres_->fine());
     shows_.push_back(0.5 + static_cast<double>(spheres_->changes()));
   }
 }
@@ -120,9 +120,10 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
   return {};
 }
 
-/// With few samples, without dark corners, a large mesh coarser.
+/// With few samples, without dark corners, large shapes coarser.
 sdk::Expected<void> ViewPainter::paint_quickly(const Camera& camera, int width, int height) {
   if (mesh_->coarse() != nullptr) std::ranges::replace(drawings_, mesh_->fine(), mesh_->coarse());
+  if (spheres_->coarse() != nullptr) std::ranges::replace(drawings_, spheres_->fine(), spheres_->coarse());
   ++painted_;
   const auto start = std::chrono::steady_clock::now();
   const int share = halves_ ? 2 : 1;

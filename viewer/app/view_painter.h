@@ -20,7 +20,7 @@ class ViewPainter {
     double fluent_ms = 25;                    ///< a careful picture that takes longer is left for when nothing moves,
     double patience_ms = 30;                  ///< and then painted in bits of about so long;
     double slow_ms = 70;                      ///< after a quick one that takes longer they have half the pixels a side
-    std::size_t most_fluent_faces = 200'000;  ///< a mesh of more is then drawn coarser while it moves,
+    std::size_t most_fluent_faces = 200'000;  ///< a mesh or sphere-mesh of more is then drawn coarser while it moves,
     std::size_t coarse_cells = 128;           ///< by a grid of so many cells along its longest side
     GLsizei most_fluent_cones = 100'000;      ///< of a sphere-mesh of more only triangles are drawn while it moves,
     std::size_t most_fluent_spheres = 5'000;  ///< a sphere-mesh of more is made in the background
@@ -74,7 +74,8 @@ class ViewPainter {
         quick_(std::move(quick)),
         careful_(std::move(careful)),
         mesh_(std::make_unique<MeshDrawing>(options.most_fluent_faces, options.coarse_cells)),
-        spheres_(std::make_unique<SpheresDrawing>(options.most_fluent_spheres)) {}
+        spheres_(std::make_unique<SpheresDrawing>(options.most_fluent_spheres, options.most_fluent_faces,
+                                                  options.coarse_cells)) {}
   void keep(Kept& kept, int look, const Scene& scene);
   void show(const Kept& kept);
   void gather_shapes(const Looks& looks, const std::shared_ptr<const Model>& held, bool at_once);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <armature/sdk/mesh/measures.h>
+#include <armature/sdk/spheremesh/sphere_triangle.h>
 
 namespace armature::viewer {
 namespace {
@@ -66,6 +67,23 @@ CoarseMesh coarse_mesh(const sdk::Mesh& mesh, std::size_t cells) {
     coarse.source.emplace_back(face);
   }
   return coarse;
+}
+
+sdk::Mesh facets(const sdk::SphereMesh& shape) {
+  sdk::Mesh mesh;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const auto normals = sdk::tangent_normals({shape.sphere(a), shape.sphere(b), shape.sphere(c)});
+    if (!normals) continue;
+    std::array<sdk::SphereId, 3> corners = {a, b, c};
+    for (const Eigen::Vector3d& normal : *normals) {
+      const std::size_t first = mesh.positions.size();
+      for (const sdk::SphereId corner : corners)
+        mesh.positions.push_back(shape.sphere(corner).centre + shape.sphere(corner).radius * normal);
+      mesh.triangles.push_back({sdk::VertexId(first), sdk::VertexId(first + 1), sdk::VertexId(first + 2)});
+      std::swap(corners[1], corners[2]);  // the other is seen from the other side
+    }
+  }
+  return mesh;
 }
 
 }  // namespace armature::viewer

@@ -390,6 +390,21 @@ TEST(DeformationSession, ReplaysAllOfATextOrNothing) {
   EXPECT_FALSE(session.redo());
 }
 
+TEST(DeformationSession, WeighsALevelAsItIsUndeformed) {
+  const Tube tube;
+  for (const WeightSource source : {WeightSource::Clusters, WeightSource::ClosestPrimitive}) {
+    const DeformOptions options{.weights = source};
+    auto bent = DeformationSession::start(tube.mesh, tube.hierarchy, 6, options).value();
+    const auto straight = DeformationSession::start(tube.mesh, tube.hierarchy, 12, options).value();
+    bend(bent);
+    ASSERT_TRUE(bent.go_to(12));
+    for (std::size_t s = 0; s < 12; ++s) {
+      EXPECT_EQ(bent.weights().columns[s]->vertices, straight.weights().columns[s]->vertices) << s;
+      EXPECT_EQ(bent.weights().columns[s]->weights, straight.weights().columns[s]->weights) << s;
+    }
+  }
+}
+
 TEST(DeformationSession, RefusesTextsLineByLine) {
   const Tube tube;
   const std::string head = "armature deformation 1\n";

@@ -165,10 +165,10 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageFromTheFirstFrameOnIsLost) {
 }
 
 /// A synthetic person who walks by a bent knee, as a sensor shows her on an injected clock, but for what `spoils` puts
-/// in a frame's place: garbage, or nothing at all.
+/// in a frame's place: garbage, a frame that shows nothing, or nothing at all.
 class SensorThatStumbles final : public DepthSource {
  public:
-  enum class Stumble : std::uint8_t { No, Garbage, Silence };
+  enum class Stumble : std::uint8_t { No, Garbage, Darkness, Silence };
   SensorThatStumbles(std::shared_ptr<ManualClock> clock, std::function<Stumble()> spoils)
       : clock_(std::move(clock)), spoils_(std::move(spoils)), person_(*open_source(kPerson)), info_(person_->info()) {
     info_.live = true;
@@ -181,6 +181,7 @@ class SensorThatStumbles final : public DepthSource {
     auto status = person_->read(frame, timeout);
     frame.sensor.time = frame.host.time = clock_->now();
     if (stumble == Stumble::Garbage) std::ranges::fill(frame.depth_mm, std::uint16_t{13'000});
+    if (stumble == Stumble::Darkness) std::ranges::fill(frame.depth_mm, std::uint16_t{0});
     return status;
   }
 
@@ -191,6 +192,43 @@ class SensorThatStumbles final : public DepthSource {
   std::unique_ptr<DepthSource> person_;
   SourceInfo info_;
 };
+
+TEST_F(DaemonTest, ASensorThatSeesNothingIsSaidToUntilItSeesAgain) {
+  using Stumble = SensorThatStumbles::Stumble;
+  constexpr int kFirstDark = 30, kLastDark = 230;  // more than six seconds
+  const auto clock = std::make_shared<ManualClock>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  std::stop_source stop;
+  navproto::NavSubscriber nav(endpoint_);
+  int shown = 0;
+  std::string trouble;
+  options.source = std::make_unique<SensorThatStumbles>(clock, [&] {
+    if (shown == 0 && !nav.health()) {
+      std::this_thread::sleep_for(5ms);
+      return Stumble::No;
+    }
+    ++shown;
+    if (shown == kLastDark) {
+      EXPECT_TRUE(eventually([&] { return !(trouble = nav.health()->source_trouble).empty(); }));
+      EXPECT_TRUE(nav.health()->source_alive);
+    }
+    if (shown == kLastDark + 60) stop.request_stop();
+    return shown < kFirstDark || shown > kLastDark ? Stumble::No : Stumble::Darkness;
+  });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run(stop.get_token()));
+  const std::string blind = "sees nothing: is the lens covered, the projector off, the sun on it, or all too near?";
+  EXPECT_EQ(trouble, blind);
+  EXPECT_TRUE(eventually([&] { return nav.health()->source_trouble.empty(); }));
+  EXPECT_FALSE((*daemon)->metrics().source_blind.load());
+  std::vector<std::string> warnings;
+  for (const auto& event : nav.take_events())
+    if (event.kind == navproto::EventKind::Warning) warnings.push_back(event.text);
+  EXPECT_EQ(warnings, (std::vector<std::string>{"a sensor: a torn frame; the camera is stopped", "a sensor " + blind,
+                                                "a sensor sees again"}));
+}
 
 TEST_F(DaemonTest, ABadFrameExplainsNoSilenceThatFollowsIt) {
   using Stumble = SensorThatStumbles::Stumble;

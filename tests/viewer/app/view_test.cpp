@@ -185,15 +185,11 @@ TEST_F(TheView, IsPaintedAgainOnlyWhereItChanged) {
   EXPECT_EQ(stage()->painter->painted(), before + 1);
 }
 
-TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
-  // Any picture takes too long, any mesh is large: a ball of 40 x 40 cells.
+/// Where any picture takes too long and any shape is large: it is drawn coarser while it moves, and alike.
+void expect_coarser_only_while_it_moves(Session& session, std::shared_ptr<Model> model) {
   auto painter = ViewPainter::create({.fluent_ms = -1, .slow_ms = 1e9, .most_fluent_faces = 0, .coarse_cells = 12});
   ASSERT_TRUE(painter) << painter.error().message;
-  sdk::SphereMesh ball;
-  ball.spheres = {{{0, 0, 0}, 1}};
-  auto model = std::make_shared<Model>();
-  model->mesh = std::make_shared<const MeshShape>(sdk::extract_surface(ball, {.tolerance = 1e-3}, {}).value());
-  session.add(model);
+  session.add(std::move(model));
   const auto picture = [&](bool careful) {
     const auto done = painter->paint(session, kWidth, kHeight, careful);
     EXPECT_TRUE(done) << done.error().message;
@@ -219,6 +215,29 @@ TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
   }
   EXPECT_GT(differ, 0) << "the coarse one was not drawn";
   EXPECT_LT(differ, covered / 5) << "of " << covered << " pixels";
+}
+
+sdk::Mesh ball_of_40_cells() {
+  sdk::SphereMesh ball;
+  ball.spheres = {{{0, 0, 0}, 1}};
+  return sdk::extract_surface(ball, {.tolerance = 1e-3}, {}).value();
+}
+
+TEST_F(TheView, ShowsALargeMeshCoarserOnlyWhileItMoves) {
+  auto model = std::make_shared<Model>();
+  model->mesh = std::make_shared<const MeshShape>(ball_of_40_cells());
+  expect_coarser_only_while_it_moves(session, model);
+}
+
+TEST_F(TheView, ShowsALargeSphereMeshCoarserOnlyWhileItMoves) {
+  const sdk::Mesh mesh = ball_of_40_cells();
+  sdk::SphereMesh shell;
+  for (const Eigen::Vector3d& position : mesh.positions) shell.spheres.push_back({position, 0.01});
+  for (const auto& [a, b, c] : mesh.triangles)
+    shell.triangles.push_back({sdk::SphereId(a.index()), sdk::SphereId(b.index()), sdk::SphereId(c.index())});
+  auto model = std::make_shared<Model>();
+  model->set_spheres(std::move(shell));
+  expect_coarser_only_while_it_moves(session, model);
 }
 
 TEST_F(TheView, IsTheSameWhereItsDrawingsAreMadeInTheBackground) {

@@ -96,8 +96,10 @@ std::optional<navproto::HealthMessage> ask_daemon(const std::string& control) {
 
 void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& options, Findings& findings) {
   const std::string what = fmt::format("armatured {} reads {}", daemon.version, daemon.source);
-  if (daemon.source_alive) {
+  if (daemon.source_alive && daemon.source_trouble.empty()) {
     findings.good("daemon", fmt::format("{}, {:.1f} frames a second", what, daemon.frames_per_second));
+  } else if (daemon.source_alive) {
+    findings.bad("daemon", what + ", which " + daemon.source_trouble, "look at the sensor");
   } else {
     findings.bad("daemon", what + ", which is lost: " + daemon.source_trouble,
                  "see the sensors above; `journalctl -u armatured` has the story");

@@ -55,10 +55,12 @@ Expected<void> status(const StatusOptions& options) {
                           "latency    p50 {:.1f} ms, p99 {:.1f} ms\n"
                           "memory     {:.1f} MB",
                           health.version, options.endpoint, hours, health.source,
-                          health.source_alive ? "alive" : "LOST: " + health.source_trouble, name(reply->engagement),
-                          reply->user_id == 0 ? "" : fmt::format(" (user {})", reply->user_id), health.frames_processed,
-                          health.frames_dropped, health.frames_per_second, health.latency_p50_us / 1000,
-                          health.latency_p99_us / 1000, static_cast<double>(health.resident_bytes) / 1e6)
+                          (health.source_alive ? "alive" : "LOST") +
+                              (health.source_trouble.empty() ? "" : ": " + health.source_trouble),
+                          name(reply->engagement), reply->user_id == 0 ? "" : fmt::format(" (user {})", reply->user_id),
+                          health.frames_processed, health.frames_dropped, health.frames_per_second,
+                          health.latency_p50_us / 1000, health.latency_p99_us / 1000,
+                          static_cast<double>(health.resident_bytes) / 1e6)
                   .c_str());
   return {};
 }

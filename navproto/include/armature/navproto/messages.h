@@ -109,7 +109,7 @@ struct HealthMessage {
   float latency_p50_us = 0;            ///< frame received to message handed to the socket, over the last seconds
   float latency_p99_us = 0;            ///< the same, exceeded by one message in a hundred
   std::uint64_t resident_bytes = 0;    ///< memory that the daemon holds
-  std::string source_trouble{};        ///< one line: why no good frames come; empty where they do
+  std::string source_trouble{};  ///< one line: why no good frames come or what is wrong with what they show; or empty
 
   friend bool operator==(const HealthMessage&, const HealthMessage&) = default;
 };

@@ -134,6 +134,7 @@ class DeformationSession {
   [[nodiscard]] SkinWeights weights_around_pins();
   Expected<void> move_surface(const SphereMove& move, std::span<const SphereMotion> motions, std::size_t rings);
 
+  const Mesh* mesh_;  // undeformed
   const Hierarchy* hierarchy_;
   std::unique_ptr<const HeatDiffusion> diffusion_;
   DeformOptions options_;
