@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include <OpenNI.h>
 #include <fcntl.h>
@@ -282,6 +283,33 @@ Expected<void> Recorder::finish() {
   return {};
 }
 
+namespace {
+
+/// The times of a live source as of one clock.
+class Timeline {
+ public:
+  /// Whether the sensor's clock has begun anew, or jumped.
+  bool put_on(DepthFrame& frame) {
+    const auto by_sensor = frame.sensor.time - sensor_, by_host = frame.host.time - host_;
+    const bool anew = started_ && (by_sensor <= 0ns || std::chrono::abs(by_sensor - by_host) > kJump);
+    time_ = !started_ ? frame.sensor.time : time_ + (anew ? std::max(by_host, kTick) : by_sensor);
+    started_ = true;
+    sensor_ = frame.sensor.time;
+    host_ = frame.host.time;
+    frame.sensor.time = time_;
+    return anew;
+  }
+
+ private:
+  /// The sensor's clock and ours may disagree so far about the time between two frames.
+  static constexpr std::chrono::nanoseconds kJump = 1s;
+  static constexpr std::chrono::nanoseconds kTick = 1ms;
+  bool started_ = false;
+  std::chrono::nanoseconds sensor_{0}, host_{0}, time_{0};
+};
+
+}  // namespace
+
 Expected<std::uint64_t> write_recording(const std::filesystem::path& path, DepthSource& source,
                                         const WriteRecordingOptions& options) {
   const SourceInfo& info = source.info();
@@ -290,6 +318,8 @@ Expected<std::uint64_t> write_recording(const std::filesystem::path& path, Depth
   DepthFrame frame;
   std::uint64_t count = 0;
   std::chrono::nanoseconds first_time{0};
+  Timeline timeline;
+  bool remarked = false;
   while (!options.max_frames || count < *options.max_frames) {
     if (options.stop.stop_requested()) {
       if (!options.keep_when_stopped) return fail(path.string() + ": interrupted: nothing was written");
@@ -299,6 +329,8 @@ Expected<std::uint64_t> write_recording(const std::filesystem::path& path, Depth
     if (!status) return tl::unexpected(status.error());
     if (*status == ReadStatus::EndOfStream) break;
     if (*status == ReadStatus::Timeout) continue;
+    if (info.live && timeline.put_on(frame) && !std::exchange(remarked, true) && options.remark)
+      options.remark("the sensor's clock began anew; times go on by this machine's");
     if (count == 0) first_time = frame.sensor.time;
     if (options.max_duration && frame.sensor.time - first_time >= *options.max_duration) break;
     if (auto appended = recorder->append(frame.view()); !appended) return tl::unexpected(appended.error());

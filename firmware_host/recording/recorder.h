@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string_view>
 
 #include "firmware_host/depth_frame.h"
 #include "firmware_host/depth_source.h"
@@ -54,9 +55,13 @@ struct WriteRecordingOptions {
   bool keep_when_stopped = true;
   std::function<void(std::uint64_t frames)> progress = {};
   bool in_place = false;  ///< as Recorder::create() has it
+  /// Hears of what is worth a line and stops nothing.
+  std::function<void(std::string_view line)> remark = {};
 };
 
 /// Records `source` at `path`; the number of frames. A source without a single frame is an error, and nothing is left.
+/// Where the clock of a live source begins anew (a sensor that was opened again counts from zero) or jumps, the
+/// recorded time goes on by the host's.
 [[nodiscard]] Expected<std::uint64_t> write_recording(const std::filesystem::path& path, DepthSource& source,
                                                       const WriteRecordingOptions& options = {});
 

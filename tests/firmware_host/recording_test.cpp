@@ -275,6 +275,24 @@ TEST(Recording, StopsWhereItIsTold) {
   EXPECT_FALSE(std::filesystem::exists(folder / "b.oni"));
 }
 
+TEST(Recording, GoesOnByTheHostWhereALiveSensorsClockBeginsAnew) {
+  const TemporaryDirectory folder;
+  auto frames = sample_frames(16, 12, 8);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].host.time = 100s + static_cast<int>(i) * 40ms + (i >= 5 ? 2s : 0s);
+    frames[i].sensor.time = i < 5 ? 70h + static_cast<int>(i) * 40ms : static_cast<int>(i - 5) * 40ms;
+  }
+  FrameSource recorded_again(frames);
+  EXPECT_FALSE(write_recording(folder / "a.oni", recorded_again)) << "a recording has no other clock";
+  FrameSource live(frames);
+  live.go_live();
+  int remarks = 0;
+  EXPECT_EQ(write_recording(folder / "a.oni", live, {.remark = [&](std::string_view) { ++remarks; }}).value(), 8U);
+  EXPECT_EQ(remarks, 1);
+  for (auto& frame : frames) frame.sensor.time = frame.host.time;
+  expect_replay(folder / "a.oni", frames);
+}
+
 TEST(Recording, NamesWhyItCannotBeWritten) {
   const TemporaryDirectory folder;
   const auto frames = sample_frames(16, 12, 1);

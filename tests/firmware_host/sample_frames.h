@@ -51,6 +51,8 @@ class FrameSource final : public DepthSource {
     if (!frames_.empty()) info_.intrinsics = frames_.front().intrinsics;
     info_.frame_count = static_cast<long>(frames_.size());
   }
+  /// As a sensor: live.
+  void go_live() { info_.live = true; }
   [[nodiscard]] const SourceInfo& info() const noexcept override { return info_; }
   [[nodiscard]] Expected<ReadStatus> read(DepthFrame& frame, std::chrono::milliseconds) override {
     if (next_ == frames_.size()) return ReadStatus::EndOfStream;

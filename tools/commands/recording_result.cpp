@@ -28,6 +28,9 @@ Expected<void> record_with_progress(DepthSource& source, const std::filesystem::
   ProgressBar bar({.title = report.title, .total = expected, .unit = "frames", .silent = expected == 0});
   if (expected > 0)
     options.progress = [&](std::uint64_t frames) { bar.update(static_cast<double>(frames) / expected); };
+  options.remark = [&](std::string_view line) {
+    std::fprintf(stderr, "armature: %s: %.*s\n", out.c_str(), static_cast<int>(line.size()), line.data());
+  };
   const auto frames = write_recording(out, source, options);
   if (!frames) return tl::unexpected(frames.error());
   bar.finish();

@@ -47,7 +47,7 @@ class FeedSource final : public DepthSource {
     const navproto::FeedIntrinsics& k = message.intrinsics;
     const Intrinsics now{k.width, k.height, k.focal_x_px, k.focal_y_px, k.centre_x_px, k.centre_y_px};
     if (now != info_.intrinsics) return fail(endpoint_ + ": the image has changed its size");
-    if (message.times.sensor <= last_) return ReadStatus::Timeout;
+    if (message.times.sensor == last_) return ReadStatus::Timeout;
     last_ = message.times.sensor;
     frame.depth_mm = std::move(message.depth_mm);
     frame.intrinsics = now;

@@ -1,6 +1,7 @@
 #include "tracker/daemon/frame_guard.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace armature {
 namespace {
@@ -16,6 +17,10 @@ constexpr std::int64_t kWrongShare = 20;  // one in so many is too many
 constexpr int kNewNormal = 5;
 /// The sensor's clock and ours may disagree so far about the time between two frames.
 constexpr std::chrono::nanoseconds kJump = 500ms;
+/// An image that shows something and has been the same for so long is frozen.
+constexpr std::chrono::nanoseconds kFrozen = 120ms;
+/// FNV-1a, over rows.
+constexpr std::uint64_t kHashBasis = 0xcbf29ce484222325, kHashPrime = 0x100000001b3;
 
 }  // namespace
 
@@ -26,18 +31,26 @@ const char* FrameGuard::complaint(const DepthView& frame) noexcept {
     return "a torn frame";
   }
   std::int64_t looked_at = 0, seen = 0, wrong = 0;
+  std::uint64_t image = kHashBasis;
   const auto width = static_cast<std::size_t>(k.width);
   for (int v = 0; v < k.height; v += kEvery) {
+    const auto row = frame.depth_mm.subspan(static_cast<std::size_t>(v) * width, width);
     int seen_in_row = 0, wrong_in_row = 0;
-    for (const std::uint16_t depth_mm : frame.depth_mm.subspan(static_cast<std::size_t>(v) * width, width)) {
-      seen_in_row += depth_mm != 0 ? 1 : 0;
-      wrong_in_row += depth_mm > kFarthest_mm ? 1 : 0;
+    std::uint32_t weighed = 0;  // by odd numbers: it differs wherever a pixel does
+    for (std::uint32_t u = 0; u < width; ++u) {
+      seen_in_row += row[u] != 0 ? 1 : 0;
+      wrong_in_row += row[u] > kFarthest_mm ? 1 : 0;
+      weighed += row[u] * (2 * u + 1);
     }
+    image = (image ^ weighed) * kHashPrime;
     looked_at += k.width;
     seen += seen_in_row;
     wrong += wrong_in_row;
   }
   if (wrong * kWrongShare > looked_at) return "a garbage frame";
+  if (image != std::exchange(image_, image)) image_since_ = frame.host.time;
+  if (seen > 0 && frame.host.time - image_since_ >= kFrozen) return "a frozen image";
+  if (frame.sensor.time == std::exchange(last_time_, frame.sensor.time)) return "a clock that stands still";
 
   const char* odd = nullptr;
   if (known_) {

@@ -8,9 +8,10 @@
 namespace armature {
 
 /// Tells frames that nobody may steer by from good ones: of another size than they say, full of depths that no sensor
-/// sees, suddenly without half of their image, or of a time that has jumped. What keeps coming (a sensor that was
-/// opened anew counts from zero, somebody stands right before the lens) is the new normal after a few frames; what
-/// contradicts itself never is. Thread-safe: no. Realtime-safe: yes.
+/// sees, suddenly without half of their image, of a time that has jumped or stands still, or of an image that does: no
+/// sensor sees anything twice without noise. What keeps coming (a sensor that was opened anew counts from zero,
+/// somebody stands right before the lens) is the new normal after a few frames; what contradicts itself or stands still
+/// never is. Thread-safe: no. Realtime-safe: yes.
 class FrameGuard {
  public:
   /// Null for a good frame, else what is wrong with it, in a word or two.
@@ -28,7 +29,10 @@ class FrameGuard {
   bool known_ = false;
   Intrinsics intrinsics_;
   std::chrono::nanoseconds sensor_{0}, host_{0};
-  std::int64_t seen_pixels_ = 0, looked_at_ = 0;  // of the last good frame
+  std::int64_t seen_pixels_ = 0, looked_at_ = 0;                          // of the last good frame
+  std::uint64_t image_ = 0;                                               // what was looked at, as a number;
+  std::chrono::nanoseconds image_since_{0};                               // and since when it is the same, by the host
+  std::chrono::nanoseconds last_time_ = std::chrono::nanoseconds::min();  // of any frame, by the sensor
   int odd_in_a_row_ = 0;
 };
 

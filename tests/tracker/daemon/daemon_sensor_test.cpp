@@ -102,6 +102,7 @@ class SensorOfGarbage final : public DepthSource {
     clock_->advance(33ms);
     frame.intrinsics = info_.intrinsics;
     frame.depth_mm.assign(64 * 48, garbage ? 13'000 : 3000);
+    frame.depth_mm[0] = static_cast<std::uint16_t>(3000 + frame.sequence % 2);  // no image comes twice
     frame.sensor.time = frame.host.time = clock_->now();
     ++frame.sequence;
     return ReadStatus::Frame;
@@ -165,10 +166,10 @@ TEST_F(DaemonTest, ASensorThatSendsOnlyGarbageFromTheFirstFrameOnIsLost) {
 }
 
 /// A synthetic person who walks by a bent knee, as a sensor shows her on an injected clock, but for what `spoils` puts
-/// in a frame's place: garbage, a frame that shows nothing, or nothing at all.
+/// in a frame's place: garbage, a frame that shows nothing, the image before, or nothing at all.
 class SensorThatStumbles final : public DepthSource {
  public:
-  enum class Stumble : std::uint8_t { No, Garbage, Darkness, Silence };
+  enum class Stumble : std::uint8_t { No, Garbage, Darkness, Freeze, Silence };
   SensorThatStumbles(std::shared_ptr<ManualClock> clock, std::function<Stumble()> spoils)
       : clock_(std::move(clock)), spoils_(std::move(spoils)), person_(*open_source(kPerson)), info_(person_->info()) {
     info_.live = true;
@@ -179,6 +180,8 @@ class SensorThatStumbles final : public DepthSource {
     const Stumble stumble = spoils_();
     if (stumble == Stumble::Silence) return ReadStatus::Timeout;
     auto status = person_->read(frame, timeout);
+    if (stumble == Stumble::Freeze) frame.depth_mm = shown_;
+    shown_ = frame.depth_mm;
     frame.sensor.time = frame.host.time = clock_->now();
     if (stumble == Stumble::Garbage) std::ranges::fill(frame.depth_mm, std::uint16_t{13'000});
     if (stumble == Stumble::Darkness) std::ranges::fill(frame.depth_mm, std::uint16_t{0});
@@ -190,6 +193,7 @@ class SensorThatStumbles final : public DepthSource {
   std::shared_ptr<ManualClock> clock_;
   std::function<Stumble()> spoils_;
   std::unique_ptr<DepthSource> person_;
+  std::vector<std::uint16_t> shown_;
   SourceInfo info_;
 };
 
@@ -228,6 +232,33 @@ TEST_F(DaemonTest, ASensorThatSeesNothingIsSaidToUntilItSeesAgain) {
     if (event.kind == navproto::EventKind::Warning) warnings.push_back(event.text);
   EXPECT_EQ(warnings, (std::vector<std::string>{"a sensor: a torn frame; the camera is stopped", "a sensor " + blind,
                                                 "a sensor sees again"}));
+}
+
+TEST_F(DaemonTest, NobodySteersByAnImageThatIsFrozen) {
+  using Stumble = SensorThatStumbles::Stumble;
+  const auto clock = std::make_shared<ManualClock>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  std::stop_source stop;
+  bool moves = false;
+  std::chrono::nanoseconds frozen_since{0};
+  options.published = [&](const navproto::NavigationMessage& message) {
+    moves = message.walk != 0;
+    EXPECT_TRUE(!moves || frozen_since == 0ns || clock->now() - frozen_since <= 250ms);
+  };
+  int frozen = 0;
+  options.source = std::make_unique<SensorThatStumbles>(clock, [&] {
+    if (frozen == 0 && !moves) return Stumble::No;
+    if (frozen++ == 0) frozen_since = clock->now();
+    if (frozen > 200) stop.request_stop();
+    return Stumble::Freeze;
+  });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run(stop.get_token()));
+  EXPECT_FALSE((*daemon)->metrics().source_alive.load());
+  EXPECT_EQ((*daemon)->metrics().released.load(), 1U);
+  EXPECT_GT(frozen, 200) << "she walked";
 }
 
 TEST_F(DaemonTest, ABadFrameExplainsNoSilenceThatFollowsIt) {
@@ -305,6 +336,7 @@ class SlowSensor final : public DepthSource {
     if (reads_ % 5 != 0) return ReadStatus::Timeout;
     frame.intrinsics = info_.intrinsics;
     frame.depth_mm.assign(64 * 48, 3000);
+    frame.depth_mm[0] = static_cast<std::uint16_t>(3000 + reads_ % 2);  // no image comes twice
     frame.sensor.time = frame.host.time = clock_->now();
     return ReadStatus::Frame;
   }

@@ -15,7 +15,9 @@ TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
   DepthFrame frame;
   frame.intrinsics = {64, 48, 60, 60, 32, 24};
   frame.depth_mm.assign(64 * 48, 2000);
+  std::uint16_t noise = 0;
   const auto next = [&](std::chrono::nanoseconds by_sensor = 33ms) {
+    frame.depth_mm[0] = ++noise % 2 == 0 ? 2000 : 2001;
     frame.sensor.time += by_sensor;
     frame.host.time += 33ms;
     const char* complaint = guard.complaint(frame.view());
@@ -36,6 +38,31 @@ TEST(FrameGuard, TellsFramesNobodyMaySteerByFromGoodOnes) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a garbage frame") << "never normal";
   frame.depth_mm.assign(64 * 47, 2000);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a torn frame") << "never normal";
+}
+
+TEST(FrameGuard, NothingThatStandsStillIsEverNormal) {
+  FrameGuard guard;
+  DepthFrame frame;
+  frame.intrinsics = {64, 48, 60, 60, 32, 24};
+  frame.depth_mm.assign(64 * 48, 2000);
+  const auto next = [&](bool noise = false, std::chrono::nanoseconds by_sensor = 33ms) {
+    frame.depth_mm[64 * 40 + 63] += noise ? 1 : 0;  // a single pixel that is looked at
+    frame.sensor.time += by_sensor;
+    frame.host.time += 33ms;
+    const char* complaint = guard.complaint(frame.view());
+    return std::string(complaint == nullptr ? "" : complaint);
+  };
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(next(), "") << "a frame may come again, " << i;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(), "a frozen image");
+  guard.start_over();
+  EXPECT_EQ(next(), "a frozen image") << "also once it was silent";
+  EXPECT_EQ(next(true), "");
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(next(true, 0ms), "a clock that stands still");
+  guard.start_over();
+  EXPECT_EQ(next(true, 0ms), "a clock that stands still");
+  frame.depth_mm.assign(64 * 48, 0);
+  for (int i = 0; i < 20; ++i) next();
+  EXPECT_EQ(next(), "") << "who sees nothing sees it without noise";
 }
 
 TEST(FrameGuard, CallsASmallerImageWhatItIs) {

@@ -44,6 +44,7 @@ void SimulatedSite::befall(SensorFault fault, std::chrono::nanoseconds how_long)
       health_.trouble = "simulated: no Kinect is plugged in";
       return;
     case SensorFault::Stall: silent_until_ = now + how_long; return;
+    case SensorFault::Freeze: frozen_until_ = now + how_long; return;
     case SensorFault::Torn: torn_ = true; return;
     case SensorFault::Garbage: garbage_ = true; return;
     case SensorFault::TimeJump: sensor_offset_ += (noise_() % 2 == 0 ? 1 : -1) * 1h; return;
@@ -57,14 +58,15 @@ void SimulatedSite::befall(SensorFault fault, std::chrono::nanoseconds how_long)
 
 Expected<ReadStatus> SimulatedSite::read(DepthFrame& frame, std::chrono::milliseconds timeout) {
   if (before_read && !before_read()) return ReadStatus::EndOfStream;
-  if (troubled()) {
+  if (clock_->now() < silent_until_) {
     clock_->advance(std::min<std::chrono::nanoseconds>(timeout, silent_until_ - clock_->now()));
     return ReadStatus::Timeout;
   }
   health_.trouble.clear();
   clock_->advance(kFrame);
   const auto& loop = visited_ ? visit_ : empty_;
-  frame.depth_mm = loop[shown_ % loop.size()];
+  if (clock_->now() >= frozen_until_ || last_ == nullptr) last_ = &loop[shown_ % loop.size()];
+  frame.depth_mm = *last_;
   ++shown_;
   visit_frames_ += visited_ ? 1 : 0;
   if (visited_ && shown_ == visit_.size()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -13,8 +14,8 @@
 namespace armature::tools {
 
 /// What can befall a sensor.
-enum class SensorFault : std::uint8_t { Unplug, Stall, Torn, Garbage, TimeJump, Crash };
-inline constexpr std::array<std::string_view, 6> kSensorFaultNames = {"unplug",  "stall",     "torn",
+enum class SensorFault : std::uint8_t { Unplug, Stall, Freeze, Torn, Garbage, TimeJump, Crash };
+inline constexpr std::array<std::string_view, 7> kSensorFaultNames = {"unplug",  "stall",     "freeze", "torn",
                                                                       "garbage", "time_jump", "crash"};
 
 /// A sensor at a site, on an injected clock: an empty place, and now and then somebody who walks in, steers and leaves.
@@ -29,7 +30,7 @@ class SimulatedSite final : public DepthSource {
   /// Befalls the sensor now, for `how_long` where it lasts.
   void befall(SensorFault fault, std::chrono::nanoseconds how_long);
   /// Whether a fault lasts.
-  [[nodiscard]] bool troubled() const noexcept { return clock_->now() < silent_until_; }
+  [[nodiscard]] bool troubled() const noexcept { return clock_->now() < std::max(silent_until_, frozen_until_); }
   [[nodiscard]] bool visited() const noexcept { return visited_; }
   [[nodiscard]] std::uint64_t visit_frames() const noexcept { return visit_frames_; }
 
@@ -54,7 +55,8 @@ class SimulatedSite final : public DepthSource {
   std::size_t shown_ = 0;  // of the loop that is shown
   std::size_t empty_left_ = 0;
   std::uint64_t sequence_ = 0, visit_frames_ = 0;
-  std::chrono::nanoseconds sensor_offset_{0}, silent_until_{0};
+  std::chrono::nanoseconds sensor_offset_{0}, silent_until_{0}, frozen_until_{0};
+  const std::vector<std::uint16_t>* last_ = nullptr;  // the image that was shown
   bool torn_ = false, garbage_ = false;
 };
 
