@@ -78,9 +78,11 @@ std::vector<FaceId> faces_of(const std::vector<bool>& inside) {
 using Start = std::pair<double, FaceId>;  // a distance that is known, and where
 
 /// How far the middles of faces lie from some, over faces that share a corner (Dijkstra 1959), up to a limit and within
-/// what is allowed. By FaceId; kFar elsewhere.
+/// what is allowed. By FaceId; kFar elsewhere. Of no use where the task was stopped.
 std::vector<double> distances(const Surface& surface, const std::vector<Start>& starts, double limit,
-                              const std::function<bool(FaceId)>& allowed) {
+                              const std::function<bool(FaceId)>& allowed, const Task& task) {
+  constexpr std::size_t kNowAndThen = 1U << 12U;
+  std::size_t looked_at = 0;
   const Mesh& mesh = surface.mesh;
   std::vector<double> distance(mesh.triangles.size(), kFar);
   std::priority_queue<Start, std::vector<Start>, std::greater<>> open;
@@ -90,7 +92,7 @@ std::vector<double> distances(const Surface& surface, const std::vector<Start>& 
     open.push({at, face});
   };
   for (const auto& [at, face] : starts) reach(face, at);
-  while (!open.empty()) {
+  while (!open.empty() && (++looked_at % kNowAndThen != 0 || !task.stopped())) {
     const auto [at, face] = open.top();
     open.pop();
     if (at > distance[face.index()]) continue;
@@ -142,8 +144,9 @@ std::vector<FaceId> band_about(const Surface& surface, const std::vector<bool>& 
   return faces_of(in_band);
 }
 
-/// Cuts anew between what is inside and what is not, in a band of faces; what lies elsewhere stays.
-void cut_within(const Surface& surface, const std::vector<FaceId>& band, std::vector<bool>& inside) {
+/// Cuts anew between what is inside and what is not, in a band of faces; what lies elsewhere stays. Of no use where the
+/// task was stopped.
+void cut_within(const Surface& surface, const std::vector<FaceId>& band, std::vector<bool>& inside, const Task& task) {
   constexpr std::size_t kElsewhere = ~std::size_t{0};
   constexpr std::size_t kSource = 0;
   constexpr std::size_t kSink = 1;
@@ -161,25 +164,31 @@ void cut_within(const Surface& surface, const std::vector<FaceId>& band, std::ve
           cut.join(node[face.index()], node[next.index()], price(edge, face, next));
       }
     }
-  const std::vector<bool> source = cut.source_side(kSource, kSink);
+  const std::vector<bool> source = cut.source_side(kSource, kSink, task);
   for (const FaceId face : band) inside[face.index()] = source[node[face.index()]];
 }
 
 }  // namespace
 
-std::vector<FaceId> snap_boundary(const Surface& surface, std::span<const FaceId> region, double width) {
+Expected<std::vector<FaceId>> snap_boundary(const Surface& surface, std::span<const FaceId> region, double width,
+                                            const Task& task) {
   std::vector<bool> inside = membership(surface.mesh, region);
-  const auto distance = distances(surface, along_boundary(surface, inside), width, [](FaceId) { return true; });
-  cut_within(surface, band_about(surface, inside, distance, width), inside);
+  const auto distance = distances(
+      surface, along_boundary(surface, inside), width, [](FaceId) { return true; }, task);
+  if (!task.stopped()) cut_within(surface, band_about(surface, inside, distance, width), inside, task);
+  if (task.stopped()) return cancelled();
   return faces_of(inside);
 }
 
-std::vector<FaceId> drag_boundary(const Surface& surface, std::span<const FaceId> region, const BoundaryDrag& drag) {
+Expected<std::vector<FaceId>> drag_boundary(const Surface& surface, std::span<const FaceId> region,
+                                            const BoundaryDrag& drag, const Task& task) {
   std::vector<bool> inside = membership(surface.mesh, region);
   const double limit = std::max(drag.reach, 3 * (drag.to.point - drag.from.point).norm());
-  const auto from_hand = distances(surface, {{0, drag.from.face}}, limit, [](FaceId) { return true; });
+  const auto from_hand = distances(
+      surface, {{0, drag.from.face}}, limit, [](FaceId) { return true; }, task);
   const auto near = [&](FaceId face) { return from_hand[face.index()] < kFar; };
-  const auto from_boundary = distances(surface, along_boundary(surface, inside), kFar, near);
+  const auto from_boundary = distances(surface, along_boundary(surface, inside), kFar, near, task);
+  if (task.stopped()) return cancelled();
   const double way = from_hand[drag.to.face.index()];
   if (way == kFar || from_boundary[drag.to.face.index()] == kFar) return faces_of(inside);
 
@@ -200,7 +209,8 @@ std::vector<FaceId> drag_boundary(const Surface& surface, std::span<const FaceId
     dragged[f] = beyond < 0;
     from_wanted[f] = std::abs(beyond);
   }
-  if (drag.snap > 0) cut_within(surface, band_about(surface, dragged, from_wanted, drag.snap), dragged);
+  if (drag.snap > 0) cut_within(surface, band_about(surface, dragged, from_wanted, drag.snap), dragged, task);
+  if (task.stopped()) return cancelled();
   return faces_of(dragged);
 }
 

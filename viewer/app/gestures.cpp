@@ -229,11 +229,11 @@ Follower brush_follower(const Model& model, double radius, bool again, sdk::Brus
 
 Follower edge_follower(const Model& model) {
   return [mesh = model.mesh, reference = model.selecting.reference, from = std::optional<sdk::SurfacePoint>()](
-             const Points& points, const sdk::Task&) mutable {
+             const Points& points, const sdk::Task& task) mutable -> sdk::Expected<Faces> {
     const sdk::Surface& surface = mesh->surface;
     const sdk::SurfacePoint to = surface.tree.closest(points.back());
     if (!from) from = surface.tree.closest(points.front());
-    return sdk::Expected<Faces>(sdk::drag_boundary(surface, reference, boundary_drag(surface, *from, to, 0)));
+    return sdk::drag_boundary(surface, reference, boundary_drag(surface, *from, to, 0), task);
   };
 }
 

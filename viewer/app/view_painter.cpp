@@ -94,7 +94,7 @@ sdk::Expected<void> ViewPainter::paint(const Session& session, const std::shared
     show(nothing_);
   }
   const Camera camera =
-      walks ? session.walk.camera(aspect) : session.camera.camera(model ? model->around() : session.around(), aspect);
+      walks ? session.walk.camera(aspect) : session.camera.camera(model ? model->extent() : session.around(), aspect);
   const Eigen::Matrix4d view = camera.view_from_world.matrix();
   shows_.insert(shows_.end(), view.data(), view.data() + 16);
   shows_.insert(shows_.end(),

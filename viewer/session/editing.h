@@ -12,6 +12,7 @@
 #include <armature/sdk/editing/vertex_edits.h>
 #include <armature/sdk/expansion/expansion.h>
 #include <armature/sdk/mesh/mesh.h>
+#include <armature/sdk/spheremesh/primitives.h>
 
 namespace armature::viewer {
 
@@ -48,10 +49,11 @@ struct EditPlaces {
   ///@}
 };
 
-/// A mesh with the normals to shade its corners with, by FaceId.
+/// A mesh with the normals to shade its corners with, by FaceId, and a sphere around it.
 struct ShadedMesh {
   sdk::Mesh mesh;
   std::vector<std::array<Eigen::Vector3d, 3>> normals;
+  sdk::Sphere around;
 };
 
 /// How a mesh is being edited.

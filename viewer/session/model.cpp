@@ -7,39 +7,13 @@
 #include <armature/sdk/io/read_mesh.h>
 #include <armature/sdk/io/sphere_mesh_file.h>
 #include <armature/sdk/io/write_mesh.h>
-#include <armature/sdk/mesh/measures.h>
 
 #include "viewer/scene/scene.h"
 #include "viewer/scene/shading.h"
+#include "viewer/session/extent.h"
 #include "viewer/session/posing.h"
 
 namespace armature::viewer {
-namespace {
-
-sdk::Sphere sphere_around(const sdk::Mesh& mesh) {
-  const Eigen::AlignedBox3d box = sdk::bounding_box(mesh);
-  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 1};
-  sdk::Sphere around{box.center(), 0};
-  for (const Eigen::Vector3d& position : mesh.positions)
-    around.radius = std::max(around.radius, (position - around.centre).norm());
-  return around;
-}
-
-sdk::Sphere sphere_around(const sdk::SphereMesh& shape) {
-  Eigen::AlignedBox3d box;
-  for (const sdk::Sphere& sphere : shape.spheres) {
-    const Eigen::Vector3d corner = Eigen::Vector3d::Constant(sphere.radius);
-    box.extend(Eigen::AlignedBox3d(sphere.centre - corner, sphere.centre + corner));
-  }
-  if (box.isEmpty()) return {Eigen::Vector3d::Zero(), 1};
-  sdk::Sphere around{box.center(), 0};
-  for (const sdk::Sphere& sphere : shape.spheres)
-    around.radius = std::max(around.radius, (sphere.centre - around.centre).norm() + sphere.radius);
-  return around;
-}
-
-}  // namespace
-
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -70,6 +44,7 @@ sdk::BoundaryDrag boundary_drag(const sdk::Surface& surface, const sdk::SurfaceP
 
 void SphereShape::show(std::shared_ptr<const sdk::SphereMesh> other) {
   shape = std::move(other);
+  around = sphere_around(*shape);
   changed();
 }
 
@@ -87,6 +62,7 @@ void Model::go_to(std::size_t count) {
 void Model::go_to(Level& level) {
   std::swap(*spheres->cursor, level.cursor);
   std::swap(spheres->shape, level.shape);
+  std::swap(spheres->around, level.around);
   spheres->changed();
   spheres->tree = std::move(level.tree);
   ++spheres_revision;
@@ -96,14 +72,14 @@ Level make_level(const sdk::LevelCursor& from, std::size_t spheres) {
   sdk::LevelCursor cursor = from;
   cursor.go_to(spheres);
   auto shape = std::make_shared<const sdk::SphereMesh>(cursor.sphere_mesh());
-  sdk::SphereMeshTree tree(*shape);
-  return {std::move(cursor), std::move(shape), std::move(tree)};
+  auto tree = std::make_shared<const sdk::SphereMeshTree>(*shape);
+  const sdk::Sphere around = sphere_around(*shape);
+  return {std::move(cursor), std::move(shape), around, std::move(tree)};
 }
 
 void Model::set_spheres(sdk::SphereMesh shape) {
   spheres.emplace();
-  spheres->shape = std::make_shared<const sdk::SphereMesh>(std::move(shape));
-  ++spheres_revision;
+  set_refined(std::make_shared<const sdk::SphereMesh>(std::move(shape)));
 }
 
 void Model::set_refined(std::shared_ptr<const sdk::SphereMesh> shape) {
@@ -115,8 +91,7 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   spheres.emplace();
   spheres->cursor.emplace(*hierarchy, std::clamp(count, hierarchy->min_spheres(), hierarchy->leaf_count()));
   spheres->hierarchy = std::move(hierarchy);
-  spheres->shape = std::make_shared<const sdk::SphereMesh>(spheres->cursor->sphere_mesh());
-  ++spheres_revision;
+  set_refined(std::make_shared<const sdk::SphereMesh>(spheres->cursor->sphere_mesh()));
 }
 
 std::shared_ptr<const void> Model::take_spheres() {
@@ -131,6 +106,7 @@ void Model::lay(std::shared_ptr<const Pose> as) {
   pose = std::move(as);
   previewed.reset();
   set_refined(pose->shape);
+  spheres->tree = pose->tree;
   ++mesh_revision;
 }
 
@@ -146,11 +122,19 @@ const sdk::Mesh& Model::shown_mesh() const {
 }
 
 sdk::Sphere Model::around() const {
-  return mesh ? mesh->around : spheres ? sphere_around(*spheres->shape) : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
+  return mesh ? mesh->around : spheres ? spheres->around : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
+}
+
+sdk::Sphere Model::extent() const {
+  if (!mesh) return around();
+  const sdk::Sphere& shown = posing          ? (previewed ? previewed : pose)->around
+                             : editing.tried ? editing.tried->around
+                                             : mesh->around;
+  return spheres ? widened(shown, spheres->around) : shown;
 }
 
 const sdk::SphereMeshTree& Model::sphere_tree() {
-  if (!spheres->tree) spheres->tree.emplace(*spheres->shape);
+  if (!spheres->tree) spheres->tree = std::make_shared<const sdk::SphereMeshTree>(*spheres->shape);
   return *spheres->tree;
 }
 
@@ -173,6 +157,7 @@ sdk::Expected<std::shared_ptr<Model>> read_model(const std::filesystem::path& pa
     auto shape = sdk::read_sphere_mesh(path, task);
     if (!shape) return tl::unexpected(shape.error());
     model->set_spheres(std::move(*shape));
+    (void)model->sphere_tree();  // here it keeps nobody waiting
   } else {
     auto mesh = sdk::read_mesh(path, {}, task);
     if (!mesh) return tl::unexpected(mesh.error());

@@ -57,7 +57,8 @@ struct SphereShape {
   std::shared_ptr<const sdk::Hierarchy> hierarchy;  ///< or none
   std::optional<sdk::LevelCursor> cursor;           ///< where there is a hierarchy
   std::shared_ptr<const sdk::SphereMesh> shape;     ///< never none; jobs may share it
-  std::optional<sdk::SphereMeshTree> tree;          ///< of `shape`, made when it is first asked for
+  sdk::Sphere around;                               ///< holds it
+  std::shared_ptr<const sdk::SphereMeshTree> tree;  ///< of `shape`, made when it is first asked for
   std::optional<LevelErrors> errors;                ///< of `shape` against the mesh, once they are measured
   std::string unmeasured;                           ///< why that cannot be done
   /// Shows another shape.
@@ -70,7 +71,8 @@ struct SphereShape {
 struct Level {
   sdk::LevelCursor cursor;
   std::shared_ptr<const sdk::SphereMesh> shape;
-  sdk::SphereMeshTree tree;
+  sdk::Sphere around;
+  std::shared_ptr<const sdk::SphereMeshTree> tree;
 };
 /// A level of a hierarchy. Takes as long as copying the cursor, which nobody may move meanwhile, and longer.
 [[nodiscard]] Level make_level(const sdk::LevelCursor& from, std::size_t spheres);
@@ -134,8 +136,10 @@ struct Model {
   ///@}
   /// The mesh as it is shown: posed, with the edit that is tried, or as it is. There must be one.
   [[nodiscard]] const sdk::Mesh& shown_mesh() const;
-  /// A sphere that holds all of it.
+  /// A sphere that holds all of it at rest, and tells its size.
   [[nodiscard]] sdk::Sphere around() const;
+  /// One that holds all that is shown of it: posed, edited, and its spheres.
+  [[nodiscard]] sdk::Sphere extent() const;
   /// For picking; there must be spheres.
   [[nodiscard]] const sdk::SphereMeshTree& sphere_tree();
 };

@@ -2,7 +2,15 @@
 
 #include <utility>
 
+#include "viewer/session/extent.h"
+
 namespace armature::viewer {
+namespace {
+
+/// A tree of so many spheres takes no time.
+constexpr std::size_t kFewSpheres = 2000;
+
+}  // namespace
 
 sdk::Expected<std::shared_ptr<Posing>> Posing::begin(std::shared_ptr<const MeshShape> mesh,
                                                      std::shared_ptr<const sdk::Hierarchy> hierarchy,
@@ -16,10 +24,11 @@ Posing::Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk:
                sdk::DeformationSession session)
     : rest_(std::move(mesh)), hierarchy_(std::move(hierarchy)), session_(std::move(session)) {}
 
-std::shared_ptr<const Pose> Posing::pose() const {
+std::shared_ptr<Pose> Posing::pose() const {
   auto pose = std::make_shared<Pose>();
   pose->mesh = rest_->mesh;
   pose->mesh.positions.assign(session_.positions().begin(), session_.positions().end());
+  pose->around = sphere_around(pose->mesh);
   pose->shape = std::make_shared<const sdk::SphereMesh>(session_.shape());
   for (std::size_t sphere = 0; sphere < pose->shape->spheres.size(); ++sphere)
     pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
@@ -31,7 +40,9 @@ template <class Step>
 Posing::Laid Posing::after(const Step& step) {
   const std::lock_guard lock(mutex_);
   if (sdk::Expected<void> done = step(); !done) return tl::unexpected(done.error());
-  return pose();
+  auto lies = pose();
+  if (lies->shape->spheres.size() > kFewSpheres) lies->tree = std::make_shared<const sdk::SphereMeshTree>(*lies->shape);
+  return lies;
 }
 
 std::string Posing::text() const {
@@ -49,7 +60,9 @@ Posing::Laid Posing::move(const sdk::SphereMove& move) {
 }
 
 Posing::Laid Posing::preview(const sdk::SphereMove& move) {
-  return after([&] { return session_.preview(move); });
+  const std::lock_guard lock(mutex_);
+  if (const auto done = session_.preview(move); !done) return tl::unexpected(done.error());
+  return pose();
 }
 
 Posing::Laid Posing::go_to(std::size_t spheres) {

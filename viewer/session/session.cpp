@@ -7,6 +7,7 @@
 
 #include "viewer/session/arguments.h"
 #include "viewer/session/command.h"
+#include "viewer/session/extent.h"
 
 namespace armature::viewer {
 namespace {
@@ -263,12 +264,9 @@ void Session::add(std::shared_ptr<Model> model) {
 }
 
 void Session::see_all() {
-  sdk::Sphere all = around();
+  sdk::Sphere all = models.empty() ? around() : models[active_model]->extent();
   const Model* second = other();
-  if (second != nullptr) {
-    const sdk::Sphere beyond = second->around();
-    all.radius = std::max(all.radius, (beyond.centre - all.centre).norm() + beyond.radius);
-  }
+  if (second != nullptr) all = widened(all, second->extent());
   camera.fit(all, second != nullptr ? aspect / 2 : aspect);
 }
 

@@ -7,6 +7,7 @@
 #include "viewer/scene/scene.h"
 #include "viewer/scene/shading.h"
 #include "viewer/session/command.h"
+#include "viewer/session/extent.h"
 #include "viewer/session/session.h"
 
 namespace armature::viewer {
@@ -97,7 +98,8 @@ Done edit(Session& session, Arguments& arguments) {
         auto mesh = edited(*model->mesh, what, places, task);
         if (!mesh) return tl::unexpected(mesh.error());
         auto normals = corner_normals(*mesh, MeshStyle().crease_rad);
-        auto tried = std::make_shared<const ShadedMesh>(ShadedMesh{std::move(*mesh), std::move(normals)});
+        const sdk::Sphere around = sphere_around(*mesh);
+        auto tried = std::make_shared<const ShadedMesh>(ShadedMesh{std::move(*mesh), std::move(normals), around});
         return Job::Apply([&session, what, model, tried] {
           session.discard(std::exchange(model->editing.tried, tried));
           ++model->mesh_revision;

@@ -176,10 +176,11 @@ Done snap(Session& session, Arguments& arguments) {
   if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
   session.start("looking for the best boundary",
                 [how = session.combine, width,
-                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto faces = sdk::snap_boundary(model->mesh->surface, model->selecting.reference,
-                                                  width * model->mesh->surface.diagonal);
-                  return Job::Apply([how, model, faces = std::move(faces)] {
+                                                  width * model->mesh->surface.diagonal, task);
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([how, model, faces = std::move(*faces)] {
                     take_reference(how, *model, model->selecting.kind, faces, true);
                   });
                 });
@@ -199,9 +200,10 @@ Done drag_edge(Session& session, Arguments& arguments) {
   if ((*active)->selecting.reference.empty()) return sdk::fail("select a region first: by click, cut, brush or lasso");
   session.start("moving the boundary",
                 [how = session.combine, drag = boundary_drag(surface, ends->front(), ends->back(), snap),
-                 model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
-                  auto faces = sdk::drag_boundary(model->mesh->surface, model->selecting.reference, drag);
-                  return Job::Apply([how, model, faces = std::move(faces)] {
+                 model = session.models[session.active_model]](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+                  auto faces = sdk::drag_boundary(model->mesh->surface, model->selecting.reference, drag, task);
+                  if (!faces) return tl::unexpected(faces.error());
+                  return Job::Apply([how, model, faces = std::move(*faces)] {
                     take_reference(how, *model, model->selecting.kind, faces, true);
                   });
                 });

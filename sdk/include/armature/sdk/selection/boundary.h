@@ -3,16 +3,19 @@
 #include <span>
 #include <vector>
 
+#include <armature/sdk/error.h>
 #include <armature/sdk/mesh/ids.h>
 #include <armature/sdk/selection/surface.h>
+#include <armature/sdk/task.h>
 
 namespace armature::sdk {
 
 /// A region whose boundary runs where the surface is best cut, within `width` of where it runs: the cheapest cut (the
 /// least cut of the faces' graph) whose edges cost their length, less where the surface bends, least in a valley (Katz
 /// and Tal 2003). Faces ascend. A region without a boundary stays as it is. Takes time about linear in the faces within
-/// `width` of the boundary, and in the mesh.
-[[nodiscard]] std::vector<FaceId> snap_boundary(const Surface& surface, std::span<const FaceId> region, double width);
+/// `width` of the boundary, and in the mesh. Fails as cancelled alone.
+[[nodiscard]] Expected<std::vector<FaceId>> snap_boundary(const Surface& surface, std::span<const FaceId> region,
+                                                          double width, const Task& task = {});
 
 /// How a boundary is dragged; lengths in the mesh's unit.
 struct BoundaryDrag {
@@ -24,8 +27,8 @@ struct BoundaryDrag {
 
 /// A region whose boundary is dragged to a point: outwards, what lies on the way belongs to it, inwards no longer. All
 /// distances are along the surface. Faces ascend; what lies out of reach stays, and so does all where `to` cannot be
-/// reached. To follow a hand, drag the same region anew at every move.
-[[nodiscard]] std::vector<FaceId> drag_boundary(const Surface& surface, std::span<const FaceId> region,
-                                                const BoundaryDrag& drag);
+/// reached. To follow a hand, drag the same region anew at every move. Fails as cancelled alone.
+[[nodiscard]] Expected<std::vector<FaceId>> drag_boundary(const Surface& surface, std::span<const FaceId> region,
+                                                          const BoundaryDrag& drag, const Task& task = {});
 
 }  // namespace armature::sdk
