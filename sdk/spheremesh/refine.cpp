@@ -78,6 +78,7 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
       options.samples > 0 ? options.samples : std::max(kFewest, kPerSphere * shape.spheres.size());
   UnionFit fit(unit, samples);
   if (fit.samples().points.empty()) return start;
+  if (task.stopped()) return cancelled();
 
   std::vector<bool> fixed(shape.spheres.size(), false);
   for (const SphereId id : options.pinned) fixed[id.index()] = true;
@@ -87,7 +88,9 @@ Expected<SphereMesh> refine(const Mesh& mesh, const SphereMesh& start, const Ref
   if (options.mode == FitMode::Outer) fit.loss.missing = kForbidden;
   // Far is what is several times the mean distance, which falls with the number of spheres.
   const UnionGauge start_gauge(shape);
-  const FitError before = fit.error(start_gauge, OuterSpace(start_gauge));
+  const OuterSpace start_outer(start_gauge);
+  if (task.stopped()) return cancelled();
+  const FitError before = fit.error(start_gauge, start_outer);
   fit.loss.far = std::clamp(2.5 * (before.forward + before.back), 2e-3, 0.05);
   constexpr std::size_t kMany = 75;
   const bool many = shape.spheres.size() >= kMany;

@@ -289,10 +289,12 @@ FitError UnionFit::error(const UnionGauge& gauge, const OuterSpace& outer) const
 
 void UnionFit::improve(SphereMesh& shape, OuterSpace& outer, int iterations, const std::vector<bool>& fixed,
                        const Task& task) const {
+  if (task.stopped()) return;
   UnionGauge gauge(shape);
   NormalEquations equations(gauge);
   outer.follow(gauge);
   FitError error;
+  if (task.stopped()) return;
   equations.assemble(rows(gauge, outer, error));
   double damping = 0.02;
   int refused = 0;

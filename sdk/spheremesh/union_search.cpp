@@ -7,7 +7,7 @@
 namespace armature::sdk {
 namespace {
 
-/// The same shape with some more spheres, then as many fewer.
+/// The same shape with some more spheres, then as many fewer. Of no use where the task was stopped.
 SphereMesh exchanged(const UnionFit& fit, SphereMesh shape, OuterSpace& outer, std::size_t count, int steps,
                      const std::vector<bool>& fixed, const Task& task) {
   const std::size_t wanted = shape.spheres.size();
@@ -18,6 +18,7 @@ SphereMesh exchanged(const UnionFit& fit, SphereMesh shape, OuterSpace& outer, s
     if (!more) break;
     shape = std::move(*more);
   }
+  if (task.stopped()) return shape;
   std::vector<bool> fixed_now = fixed;
   fixed_now.resize(shape.spheres.size(), false);
   {
@@ -56,10 +57,12 @@ void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const 
     task.report("refine", static_cast<double>(round) / effort.rounds);
     const UnionGauge gauge(shape);
     fit.watch_far_vertices(gauge);
+    if (task.stopped()) return;
     outer.follow(gauge);
     const double before = fit.error(gauge, outer).loss;
     OuterSpace outer_there = outer;
     SphereMesh tried = exchanged(fit, shape, outer_there, count, effort.steps, fixed, task);
+    if (task.stopped()) return;
     const UnionGauge gauge_there(tried);
     outer_there.follow(gauge_there);
     const double after = fit.error(gauge_there, outer_there).loss;
@@ -71,6 +74,7 @@ void search(UnionFit& fit, SphereMesh& shape, const SearchEffort& effort, const 
       count = 2 * count / 3;
     }
   }
+  if (task.stopped()) return;
   fit.watch_far_vertices(UnionGauge(shape));
   fit.improve(shape, outer, 2 * effort.steps, fixed, task);
 }
