@@ -60,8 +60,8 @@ class DepthSource {
   /// Thread-safe: yes.
   [[nodiscard]] virtual SourceHealth health() const { return {}; }
 
-  /// Shows the state of whoever reads it, where the sensor can. Thread-safe: yes, but not while read() runs elsewhere,
-  /// unless the source says so.
+  /// Shows the state of whoever reads it, where the sensor can; soon, and without holding up frames. Thread-safe: yes,
+  /// but not while read() runs elsewhere, unless the source says so.
   virtual void show(StatusLight) {}
 
   /// Hears from whoever reads it whether the frames are any good, if she can tell; until then they are. A source that

@@ -1,6 +1,7 @@
 #include "firmware_host/backends/freenect_device.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include <libusb.h>
 #include <sys/time.h>
 
+#include "firmware_host/backends/light_thread.h"
 #include "firmware_host/control/usb.h"
 
 namespace armature {
@@ -66,6 +68,13 @@ class FreenectDevice final : public DepthSource {
     freenect_set_depth_callback(device_, [](freenect_device* device, void*, std::uint32_t ticks) {
       static_cast<FreenectDevice*>(freenect_get_user(device))->received(ticks);
     });
+    light_.emplace(
+        [port = port_](StatusLight light) {
+          // Opened for the moment: another program may want to turn the motor.
+          const auto motor = KinectMotor::open(port);
+          return motor && (*motor)->light(kLights[static_cast<std::size_t>(light)]);
+        },
+        clock_);
     return start_stream();
   }
 
@@ -95,11 +104,8 @@ class FreenectDevice final : public DepthSource {
     return start_stream();
   }
 
-  void show(StatusLight light) override {
-    // Opened for the moment: another program may want to turn the motor.
-    const auto motor = KinectMotor::open(port_);
-    if (motor) (void)(*motor)->light(kLights[static_cast<std::size_t>(light)]);
-  }
+  /// Returns at once: a motor board may not answer, and the frames do not wait for it.
+  void show(StatusLight light) override { light_->show(light); }
 
  private:
   Expected<void> start_stream() {
@@ -128,6 +134,7 @@ class FreenectDevice final : public DepthSource {
   std::chrono::nanoseconds time_{0};
   std::uint64_t sequence_ = 0;
   bool fresh_ = false;
+  std::optional<LightThread> light_;
 };
 
 }  // namespace

@@ -216,6 +216,21 @@ TEST_F(KinectTest, HotplugUnderAProcessOfItsOwnStopsAndComesBack) {
   }
 }
 
+TEST_F(KinectTest, AMotorThatDoesNotAnswerIsAskedOnceAMinuteAndHoldsNothingUp) {
+  kinect_.plug_in();
+  kinect_.hang_motor(true);
+  const auto source = open_freenect_device("0", {});
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  (*source)->show(StatusLight::Ready);
+  for (int i = 0; i < 1000 && kinect_.motor_requests() == 0; ++i) ASSERT_TRUE(frame_within(**source, frame, 10s));
+  for (const StatusLight light : {StatusLight::Trouble, StatusLight::Ready, StatusLight::Trouble, StatusLight::Off}) {
+    (*source)->show(light);
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(frame_within(**source, frame, 10s));
+  }
+  EXPECT_EQ(kinect_.motor_requests(), 1);
+}
+
 TEST_F(KinectTest, ItsLightIsOffWhenNobodyReadsIt) {
   kinect_.plug_in();
   {
