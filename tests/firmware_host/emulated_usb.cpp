@@ -1,5 +1,6 @@
 #include "tests/firmware_host/emulated_usb.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -58,7 +59,8 @@ std::vector<std::uint8_t> packed_frame(std::uint16_t raw) {
 /// A transfer that was submitted and not reaped yet.
 struct Urb {
   Data data, buffer;
-  void* client = nullptr;  // its address in the process that submitted it
+  const UMockdevIoctlClient* owner = nullptr;  // who submitted it, and nobody else reaps it
+  void* client = nullptr;                      // its address there
   bool done = false;
 };
 
@@ -68,6 +70,11 @@ class Device {
     g_signal_connect(handler_, "handle-ioctl",
                      G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) -> gboolean {
                        return static_cast<Device*>(self)->handle(client) ? TRUE : FALSE;
+                     }),
+                     this);
+    g_signal_connect(handler_, "client-vanished",
+                     G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+                       static_cast<Device*>(self)->forget(client);
                      }),
                      this);
     umockdev_testbed_attach_ioctl(bus_.testbed(), node_.c_str(), handler_, nullptr);
@@ -121,12 +128,15 @@ class Device {
       case USBDEVFS_CLEAR_HALT:
       case USBDEVFS_IOCTL: return complete(request == USBDEVFS_IOCTL ? -1 : 0, request == USBDEVFS_IOCTL ? ENODATA : 0);
       case USBDEVFS_RESET: ++resets; return complete(0, 0);
-      case USBDEVFS_SUBMITURB: return submit(argument) ? complete(0, 0) : complete(-1, EFAULT);
-      case USBDEVFS_DISCARDURB: return discard(argument) ? complete(0, 0) : complete(-1, EINVAL);
+      case USBDEVFS_SUBMITURB: return submit(client, argument) ? complete(0, 0) : complete(-1, EFAULT);
+      case USBDEVFS_DISCARDURB: return discard(client, argument) ? complete(0, 0) : complete(-1, EINVAL);
       case USBDEVFS_REAPURB:
       case USBDEVFS_REAPURBNDELAY: {
-        Urb* urb = ready();
-        if (urb == nullptr) return complete(-1, gone_ && urbs_.empty() ? ENODEV : EAGAIN);
+        Urb* urb = ready(client);
+        if (urb == nullptr) {
+          const bool any = std::ranges::any_of(urbs_, [&](const Urb& other) { return other.owner == client; });
+          return complete(-1, gone_ && !any ? ENODEV : EAGAIN);
+        }
         const Data pointer = resolve(argument, 0, sizeof(void*));
         if (!pointer) return complete(-1, EFAULT);
         umockdev_ioctl_data_set_ptr(pointer.get(), 0, urb->data.get());
@@ -138,10 +148,15 @@ class Device {
     }
   }
 
-  bool submit(UMockdevIoctlData* argument) {
+  void forget(const UMockdevIoctlClient* owner) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(urbs_, [&](const Urb& urb) { return urb.owner == owner; });
+  }
+  bool submit(const UMockdevIoctlClient* owner, UMockdevIoctlData* argument) {
     // Resolving puts our own address in the place of the client's: the size is known only then, so do it again.
     void* const client = *reinterpret_cast<void**>(argument->data);
     Urb urb;
+    urb.owner = owner;
     urb.client = client;
     urb.data = resolve(argument, 0, sizeof(usbdevfs_urb));
     if (!urb.data) return false;
@@ -168,19 +183,20 @@ class Device {
     urbs_.push_back(std::move(urb));
     return true;
   }
-  bool discard(UMockdevIoctlData* argument) {
+  bool discard(const UMockdevIoctlClient* owner, UMockdevIoctlData* argument) {
     void* const client = *reinterpret_cast<void**>(argument->data);
     for (Urb& urb : urbs_) {
-      if (urb.client != client || urb.done) continue;
+      if (urb.owner != owner || urb.client != client || urb.done) continue;
       view<usbdevfs_urb>(urb.data)->status = -ENOENT;
       urb.done = true;
       return true;
     }
     return false;
   }
-  Urb* ready() {
+  Urb* ready(const UMockdevIoctlClient* owner) {
     bool waiting = false;  // isochronous transfers complete in order
     for (Urb& urb : urbs_) {
+      if (urb.owner != owner) continue;
       auto* about = view<usbdevfs_urb>(urb.data);
       if (!urb.done && gone_) {
         about->status = -ENODEV;
