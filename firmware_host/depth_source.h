@@ -60,8 +60,8 @@ class DepthSource {
   /// Thread-safe: yes.
   [[nodiscard]] virtual SourceHealth health() const { return {}; }
 
-  /// Shows the state of whoever reads it, where the sensor can. Thread-safe: yes, but not while read() runs elsewhere,
-  /// unless the source says so.
+  /// Shows the state of whoever reads it, where the sensor can; soon, and without holding up frames. Thread-safe: yes,
+  /// but not while read() runs elsewhere, unless the source says so.
   virtual void show(StatusLight) {}
 
   /// Hears from whoever reads it whether the frames are any good, if she can tell; until then they are. A source that
@@ -80,8 +80,9 @@ struct OpenOptions {
 };
 
 /// Opens a source of this folder by its URI: `oni:FILE`, `fakenect:DIR`, and the devices `openni2:`, `openni2:URI`,
-/// `freenect:N`, `v4l2:/dev/videoN`, which a process of its own reads (capture/); `process:URI` does the same with any
-/// of them. An unknown scheme is an error that lists the known ones. (tracker/synth adds `synth:NAME`.)
+/// `freenect:N`, `freenect:PORT`, `v4l2:/dev/videoN`, which a process of its own reads (capture/); `process:URI` does
+/// the same with any of them. An unknown scheme is an error that lists the known ones. (tracker/synth adds
+/// `synth:NAME`.)
 [[nodiscard]] Expected<std::unique_ptr<DepthSource>> open_depth_source(std::string_view uri,
                                                                        const OpenOptions& options = {});
 /// The same without a process of its own: a device library that crashes takes the caller with it.

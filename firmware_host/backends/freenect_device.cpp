@@ -1,13 +1,16 @@
 #include "firmware_host/backends/freenect_device.h"
 
 #include <array>
-#include <charconv>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <libfreenect.h>
 #include <libfreenect_registration.h>
+#include <libusb.h>
 #include <sys/time.h>
 
+#include "firmware_host/backends/light_thread.h"
 #include "firmware_host/control/usb.h"
 
 namespace armature {
@@ -23,8 +26,8 @@ constexpr std::array<KinectLight, 5> kLights = {KinectLight::Off, KinectLight::B
 
 class FreenectDevice final : public DepthSource {
  public:
-  FreenectDevice(int number, const OpenOptions& options) : number_(number), clock_(options.clock) {
-    info_.uri = "freenect:" + std::to_string(number);
+  FreenectDevice(std::string_view which, const OpenOptions& options) : which_(which), clock_(options.clock) {
+    info_.uri = "freenect:" + which_;
     info_.live = true;
     pixels_.resize(std::size_t{kWidth} * kHeight);
   }
@@ -34,22 +37,24 @@ class FreenectDevice final : public DepthSource {
       freenect_close_device(device_);
     }
     if (context_ != nullptr) freenect_shutdown(context_);
+    if (usb_ != nullptr) libusb_exit(usb_);
   }
 
   Expected<void> start() {
-    if (freenect_init(&context_, nullptr) < 0) return complain("libusb cannot be initialised");
+    // Of our own, so that its list of devices is the one in which libfreenect counts.
+    if (libusb_init(&usb_) != 0 || freenect_init(&context_, usb_) < 0) return complain("libusb cannot be initialised");
     freenect_set_log_level(context_, FREENECT_LOG_FATAL);
     freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
-    const int found = freenect_num_devices(context_);
-    if (found <= number_) {
-      return complain((found == 0 ? "no Kinect is plugged in" : "only " + std::to_string(found) + " are plugged in") +
-                      std::string("; `armature devices` lists what is"));
-    }
-    if (freenect_open_device(context_, &device_, number_) < 0) {
+    const auto cameras = kinect_cameras(usb_);
+    const auto camera = find_kinect(cameras, which_);
+    if (!camera) return complain(camera.error().message + "; `armature devices` lists what is");
+    port_ = camera->port;
+    if (freenect_open_device(context_, &device_, camera->listed) < 0) {
       return complain(
           "it is there and does not open: is another program using it, or are the udev rules missing? "
           "`armature doctor` tells");
     }
+    if (kinect_cameras(usb_) != cameras) return complain("another Kinect came or went while it was opened");
     const freenect_registration registration = freenect_copy_registration(device_);
     const auto& plane = registration.zero_plane_info;
     const double focal_px = plane.reference_pixel_size > 0 ? static_cast<double>(plane.reference_distance) /
@@ -63,6 +68,13 @@ class FreenectDevice final : public DepthSource {
     freenect_set_depth_callback(device_, [](freenect_device* device, void*, std::uint32_t ticks) {
       static_cast<FreenectDevice*>(freenect_get_user(device))->received(ticks);
     });
+    light_.emplace(
+        [port = port_](StatusLight light) {
+          // Opened for the moment: another program may want to turn the motor.
+          const auto motor = KinectMotor::open(port);
+          return motor && (*motor)->light(kLights[static_cast<std::size_t>(light)]);
+        },
+        clock_);
     return start_stream();
   }
 
@@ -87,16 +99,13 @@ class FreenectDevice final : public DepthSource {
   }
 
   Expected<void> recover(RecoverBy by) override {
-    if (by == RecoverBy::ResettingDevice) return reset_kinect_camera(number_);
+    if (by == RecoverBy::ResettingDevice) return reset_kinect_camera(port_);
     freenect_stop_depth(device_);
     return start_stream();
   }
 
-  void show(StatusLight light) override {
-    // Opened for the moment: another program may want to turn the motor.
-    const auto motor = KinectMotor::open(number_);
-    if (motor) (void)(*motor)->light(kLights[static_cast<std::size_t>(light)]);
-  }
+  /// Returns at once: a motor board may not answer, and the frames do not wait for it.
+  void show(StatusLight light) override { light_->show(light); }
 
  private:
   Expected<void> start_stream() {
@@ -114,9 +123,10 @@ class FreenectDevice final : public DepthSource {
   }
   [[nodiscard]] tl::unexpected<Error> complain(const std::string& what) const { return fail(info_.uri + ": " + what); }
 
-  int number_;
+  std::string which_, port_;
   std::shared_ptr<Clock> clock_;
   SourceInfo info_;
+  libusb_context* usb_ = nullptr;
   freenect_context* context_ = nullptr;
   freenect_device* device_ = nullptr;
   std::vector<std::uint16_t> pixels_;
@@ -124,17 +134,19 @@ class FreenectDevice final : public DepthSource {
   std::chrono::nanoseconds time_{0};
   std::uint64_t sequence_ = 0;
   bool fresh_ = false;
+  std::optional<LightThread> light_;
 };
 
 }  // namespace
 
-Expected<std::unique_ptr<DepthSource>> open_freenect_device(std::string_view number, const OpenOptions& options) {
-  int index = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
-  if (error != std::errc() || end != number.data() + number.size() || index < 0 || index > 15) {
-    return fail("source 'freenect:" + std::string(number) + "': expected freenect:N, N from 0 to 15");
+Expected<std::unique_ptr<DepthSource>> open_freenect_device(std::string_view which, const OpenOptions& options) {
+  const bool number = which.find_first_not_of("0123456789") == which.npos && which.size() < 3;
+  const bool port = which.find('-') != which.npos && which.find_first_not_of("0123456789-.") == which.npos;
+  if (which.empty() || !(number || port)) {
+    return fail("source 'freenect:" + std::string(which) +
+                "': expected freenect:N, from 0, or its port as `armature devices` says it, such as freenect:1-2.1");
   }
-  auto source = std::make_unique<FreenectDevice>(index, options);
+  auto source = std::make_unique<FreenectDevice>(which, options);
   if (auto started = source->start(); !started) return tl::unexpected(started.error());
   return std::unique_ptr<DepthSource>(std::move(source));
 }

@@ -8,10 +8,11 @@
 
 namespace armature {
 
-/// `freenect:N`: the N-th Kinect v1 (or Kinect for Windows), from 0, through libfreenect: 640 x 480 at 30 Hz,
-/// millimetres and focal length by the device's own calibration, the sensor's own 60 MHz clock. libfreenect may crash
-/// or hang on unplug: use it in a process of its own (open_depth_source() does).
-[[nodiscard]] Expected<std::unique_ptr<DepthSource>> open_freenect_device(std::string_view number,
+/// `freenect:N`: the N-th Kinect v1 (or Kinect for Windows), from 0, in the order of bus and port; `freenect:1-2.1`:
+/// the one on that port, whichever others are plugged in. Through libfreenect: 640 x 480 at 30 Hz, millimetres and
+/// focal length by the device's own calibration, the sensor's own 60 MHz clock. libfreenect may crash or hang on
+/// unplug: use it in a process of its own (open_depth_source() does).
+[[nodiscard]] Expected<std::unique_ptr<DepthSource>> open_freenect_device(std::string_view which,
                                                                           const OpenOptions& options);
 
 /// A 32-bit counter that wraps, as a time that does not.

@@ -1,5 +1,6 @@
 #include "firmware_host/capture/capture_process.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -9,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/eventfd.h>
@@ -41,35 +43,39 @@ class Child {
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
   [[nodiscard]] bool running() const noexcept { return pid() > 0; }
 
-  /// False where it cannot be started.
-  bool start(const std::string& path, const std::string& uri, int frames, int wake) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, frames, kFramesDescriptor);
-    posix_spawn_file_actions_adddup2(&actions, wake, kWakeDescriptor);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    std::array<std::string, 2> words = {path, uri};
-    std::array<char*, 3> arguments = {words[0].data(), words[1].data(), nullptr};
+  /// Fails where it cannot be started.
+  Expected<void> start(const std::string& path, const std::string& uri, int frames, int wake) {
+    // Copies that are neither of the numbers they become: crossed over, the first would close the second.
+    constexpr int kFirstFree = std::max(kFramesDescriptor, kWakeDescriptor) + 1;
+    const int frames_copy = ::fcntl(frames, F_DUPFD_CLOEXEC, kFirstFree);
+    const int wake_copy = frames_copy < 0 ? -1 : ::fcntl(wake, F_DUPFD_CLOEXEC, kFirstFree);
+    int error = wake_copy < 0 ? errno : 0;
     pid_t pid = -1;
-    const int error = ::posix_spawn(&pid, path.c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    if (error != 0) return false;
+    if (error == 0) error = spawn(pid, path, uri, frames_copy, wake_copy);
+    for (const int copy : {frames_copy, wake_copy}) {
+      if (copy >= 0) ::close(copy);
+    }
+    if (error != 0) return fail(path + ": cannot be started: " + std::strerror(error));
     pid_.store(pid, std::memory_order_relaxed);
     descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
-    return true;
+    return {};
   }
   /// How it ended, where it has.
   bool ended(std::string& how) {
     int status = 0;
-    if (!running() || ::waitpid(pid(), &status, WNOHANG) != pid()) return false;
-    how = WIFSIGNALED(status) ? std::string("the capture process died: ") + ::strsignal(WTERMSIG(status))
-                              : "the capture process ended with " + std::to_string(WEXITSTATUS(status));
+    const pid_t waited = running() ? ::waitpid(pid(), &status, WNOHANG) : 0;
+    // Where SIGCHLD is ignored, as by whoever started us, nobody is told how it ended.
+    const bool untold = waited < 0 && errno == ECHILD;
+    if (waited <= 0 && !untold) return false;
+    how = "the capture process ";
+    if (untold) {
+      how += "ended";
+    } else if (WIFSIGNALED(status)) {
+      how += std::string("died: ") + ::strsignal(WTERMSIG(status));
+    } else {
+      how += "ended with " + std::to_string(WEXITSTATUS(status));
+      if (WEXITSTATUS(status) == kCaptureNotUnderstood) how += ": is it of another version than this program?";
+    }
     forget();
     return true;
   }
@@ -80,12 +86,33 @@ class Child {
   }
   void end() {
     if (!running()) return;
-    ::kill(pid(), SIGKILL);
-    ::waitpid(pid(), nullptr, 0);
+    if (::waitpid(pid(), nullptr, WNOHANG) == 0) {  // else its number may be another's by now
+      ::kill(pid(), SIGKILL);
+      ::waitpid(pid(), nullptr, 0);
+    }
     forget();
   }
 
  private:
+  /// An error number, or 0.
+  static int spawn(pid_t& pid, const std::string& path, const std::string& uri, int frames, int wake) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, frames, kFramesDescriptor);
+    posix_spawn_file_actions_adddup2(&actions, wake, kWakeDescriptor);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    std::array<std::string, 3> words = {path, std::to_string(::getpid()), uri};
+    std::array<char*, 4> arguments = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+    const int error = ::posix_spawn(&pid, path.c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    return error;
+  }
   void forget() {
     if (descriptor_ >= 0) ::close(descriptor_);
     descriptor_ = -1;
@@ -109,6 +136,12 @@ struct CaptureProcess::State {
 
   void supervise();
   [[nodiscard]] Reader reader() const;
+  /// For how long the process has not come round its loop. Told by change alone: what it writes may be any number.
+  [[nodiscard]] std::chrono::nanoseconds unheard_of(std::chrono::nanoseconds now) {
+    const auto said = frames.last_alive();
+    if (std::exchange(alive, said) != said) alive_at = now;
+    return now - alive_at;
+  }
   void wait(std::chrono::nanoseconds at_most);
   void set_trouble(std::string text) {
     const std::lock_guard lock(mutex);
@@ -123,8 +156,8 @@ struct CaptureProcess::State {
   Recovery recovery;
   std::string path;
   bool ever_started = false;
-  bool heard = false;  // a frame, since the last step of recovery
-  std::chrono::nanoseconds started{0};
+  bool heard = false;                              // a frame, since the last step of recovery
+  std::chrono::nanoseconds alive{0}, alive_at{0};  // what the process said last, and when it said something else
   mutable std::mutex mutex;
   std::string trouble;  // under the mutex; empty: all is well
   std::atomic<std::uint64_t> restarts{0}, bad_frames{0};
@@ -201,8 +234,7 @@ void CaptureProcess::State::supervise() {
     set_trouble(info.uri + ": " + how);
     recovery.process_ended(now);
   }
-  if (const Reader at = reader();
-      at != Reader::Gone && recovery.hangs(now - std::max(frames.last_alive(), started), at)) {
+  if (const Reader at = reader(); at != Reader::Gone && recovery.hangs(unheard_of(now), at)) {
     set_trouble(info.uri + ": the capture process hangs and is started again");
     child.end();
     recovery.process_ended(now, at);
@@ -224,8 +256,9 @@ void CaptureProcess::State::supervise() {
   frames.clear();
   if (ever_started) restarts.fetch_add(1, std::memory_order_relaxed);
   ever_started = true;
-  if (!child.start(path, info.uri, frames.descriptor(), wake)) set_trouble(path + ": cannot be started");
-  started = now;
+  if (const auto started = child.start(path, info.uri, frames.descriptor(), wake); !started)
+    set_trouble(started.error().message);
+  alive_at = now;
   recovery.process_started(now);
   if (!child.running()) recovery.process_ended(now);
 }

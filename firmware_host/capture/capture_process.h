@@ -38,13 +38,16 @@ class CaptureProcess final : public DepthSource {
   std::unique_ptr<State> state_;
 };
 
-/// Where a capture process finds the shared memory and the event that wakes its reader.
-inline constexpr int kFramesDescriptor = 1000;
-inline constexpr int kWakeDescriptor = 1001;
+/// Where a capture process finds the shared memory and the event that wakes its reader: low, whatever may be open.
+inline constexpr int kFramesDescriptor = 3;
+inline constexpr int kWakeDescriptor = 4;
+/// What it ends with where its words or its memory are not what it expects.
+inline constexpr int kCaptureNotUnderstood = 2;
 
-/// What armature-capture does: opens `uri` in this process, writes its frames to the shared memory behind
+/// What `armature-capture PARENT URI` does: opens `uri` in this process, writes its frames to the shared memory behind
 /// `frames_descriptor`, wakes the reader through `wake_descriptor`, and starts over whenever the source fails. Returns
-/// when its parent is gone or the memory is not what it should be.
-int run_capture(std::string_view uri, int frames_descriptor, int wake_descriptor);
+/// when the process `parent` is not, or no longer, its parent (0), or the memory is not what it should be
+/// (kCaptureNotUnderstood).
+int run_capture(std::string_view uri, pid_t parent, int frames_descriptor, int wake_descriptor);
 
 }  // namespace armature

@@ -1,5 +1,5 @@
 #include <csignal>
-#include <optional>
+#include <string>
 #include <thread>
 
 #include <sys/prctl.h>
@@ -20,8 +20,8 @@ constexpr auto kPatience = 100ms;
 
 class Capturing {
  public:
-  Capturing(std::string_view uri, SharedFrames frames, int wake)
-      : uri_(uri), frames_(std::move(frames)), wake_(wake), parent_(::getppid()) {}
+  Capturing(std::string_view uri, pid_t parent, SharedFrames frames, int wake)
+      : uri_(uri), frames_(std::move(frames)), wake_(wake), parent_(parent) {}
 
   void run() {
     while (::getppid() == parent_) {
@@ -30,9 +30,7 @@ class Capturing {
       auto source = open_in_this_process(uri_, {.pacing = Pacing::RealTime});
       frames_.alive(clock_.now());
       if (!source) {
-        frames_.set_state(CaptureState::Waiting, source.error().message);
-        std::this_thread::sleep_for(kLookAgain);
-        if (frames_.take_command() == CaptureCommand::Stop) break;
+        if (wait(source.error().message)) break;
         continue;
       }
       // Any other was meant for the stream before this one.
@@ -43,6 +41,12 @@ class Capturing {
   }
 
  private:
+  /// Says what is wrong and lets a moment pass; true: it is over for good.
+  bool wait(const std::string& trouble) {
+    frames_.set_state(CaptureState::Waiting, trouble);
+    std::this_thread::sleep_for(kLookAgain);
+    return frames_.take_command() == CaptureCommand::Stop;
+  }
   /// Until the source fails or has to be opened anew; true: it is over for good.
   bool stream(DepthSource& source) {
     DepthFrame frame;
@@ -51,12 +55,11 @@ class Capturing {
     while (!asked_to_stop && ::getppid() == parent_) {
       frames_.alive(clock_.now());
       const auto status = source.read(frame, kPatience);
-      if (!status) {
-        frames_.set_state(CaptureState::Waiting, status.error().message);
-        std::this_thread::sleep_for(kLookAgain);
-        return frames_.take_command() == CaptureCommand::Stop;
+      if (!status) return wait(status.error().message);
+      if (*status == ReadStatus::Frame) {
+        if (!frames_.write(frame, source.info().frames_per_second)) return wait(refused(frame));
+        wake_reader();
       }
-      if (*status == ReadStatus::Frame && frames_.write(frame, source.info().frames_per_second)) wake_reader();
       if (*status == ReadStatus::EndOfStream) {
         frames_.set_state(CaptureState::Ended, "");
         wake_reader();
@@ -82,6 +85,11 @@ class Capturing {
     return true;
   }
 
+  [[nodiscard]] std::string refused(const DepthFrame& frame) const {
+    return uri_ + ": an image of " + std::to_string(frame.intrinsics.width) + " x " +
+           std::to_string(frame.intrinsics.height) + ", " + std::to_string(frame.depth_mm.size()) +
+           " pixels: expected as many as its sides say, and no more than " + std::to_string(SharedFrames::kMaxPixels);
+  }
   void wake_reader() const {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
@@ -96,8 +104,9 @@ class Capturing {
 
 }  // namespace
 
-int run_capture(std::string_view uri, int frames_descriptor, int wake_descriptor) {
-  // When our parent is gone, or the thread of it that started us, there is a second to turn the light off and go.
+int run_capture(std::string_view uri, pid_t parent, int frames_descriptor, int wake_descriptor) {
+  // When our parent is gone, or the thread of it that started us, there is a second to turn the light off and go. Who
+  // is gone before this line sends no signal: she is told by her number.
   ::signal(SIGUSR1, [](int) { ::alarm(1); });
   ::prctl(PR_SET_PDEATHSIG, SIGUSR1);
   ::signal(SIGPIPE, SIG_IGN);
@@ -105,8 +114,8 @@ int run_capture(std::string_view uri, int frames_descriptor, int wake_descriptor
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, SIG_IGN);
   auto frames = SharedFrames::attach(frames_descriptor);
-  if (!frames) return 2;
-  Capturing(uri, std::move(*frames), wake_descriptor).run();
+  if (!frames) return kCaptureNotUnderstood;
+  Capturing(uri, parent, std::move(*frames), wake_descriptor).run();
   return 0;
 }
 

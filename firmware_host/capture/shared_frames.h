@@ -51,6 +51,7 @@ class SharedFrames {
   [[nodiscard]] CaptureState state() const noexcept;
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] double frames_per_second() const noexcept;
+  /// As alive() was told; believe that it changes, not what it says.
   [[nodiscard]] std::chrono::nanoseconds last_alive() const noexcept;
   void command(CaptureCommand command) noexcept;
   /// Any thread.

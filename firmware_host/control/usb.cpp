@@ -1,6 +1,7 @@
 #include "firmware_host/control/usb.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -64,6 +65,14 @@ Expected<Context> make_context() {
   return Context(context);
 }
 
+/// From the root hub on; empty where it is one, or they are not known.
+std::vector<std::uint8_t> ports_of(libusb_device* device) {
+  std::vector<std::uint8_t> ports(8);
+  const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+  ports.resize(static_cast<std::size_t>(std::max(depth, 0)));
+  return ports;
+}
+
 /// Every device on the bus, held for as long as this lives.
 class DeviceList {
  public:
@@ -73,12 +82,15 @@ class DeviceList {
   }
   DeviceList(const DeviceList&) = delete;
   DeviceList& operator=(const DeviceList&) = delete;
-  /// In the order of bus and address.
+  /// In libusb's own order: of a context, not of the bus.
+  [[nodiscard]] std::span<libusb_device* const> all() const noexcept {
+    return {list_, static_cast<std::size_t>(std::max<ssize_t>(count_, 0))};
+  }
+  /// In the order of bus and port.
   [[nodiscard]] std::vector<libusb_device*> sorted() const {
-    std::vector<libusb_device*> devices(list_, list_ + std::max<ssize_t>(count_, 0));
-    std::ranges::sort(devices, {}, [](libusb_device* d) {
-      return std::pair(libusb_get_bus_number(d), libusb_get_device_address(d));
-    });
+    std::vector<libusb_device*> devices(all().begin(), all().end());
+    std::ranges::stable_sort(devices, {},
+                             [](libusb_device* d) { return std::pair(libusb_get_bus_number(d), ports_of(d)); });
     return devices;
   }
 
@@ -87,32 +99,41 @@ class DeviceList {
   ssize_t count_ = 0;
 };
 
-/// The `number`-th device of Microsoft's with one of these product numbers.
-Expected<Handle> open_kinect(libusb_context* context, std::span<const std::uint16_t> products, int number,
-                             const char* what) {
-  const DeviceList list(context);
-  int seen = 0;
-  for (libusb_device* device : list.sorted()) {
-    libusb_device_descriptor about{};
-    if (libusb_get_device_descriptor(device, &about) != 0 || about.idVendor != kMicrosoft ||
-        std::ranges::find(products, about.idProduct) == products.end() || seen++ != number)
-      continue;
-    libusb_device_handle* handle = nullptr;
-    if (const int error = libusb_open(device, &handle); error != 0) return complain(what, error);
-    return Handle(handle);
-  }
-  return fail(std::string(what) + ": number " + std::to_string(number) + " is not plugged in");
+bool is_one_of(libusb_device* device, std::span<const std::uint16_t> products) {
+  libusb_device_descriptor about{};
+  return libusb_get_device_descriptor(device, &about) == 0 && about.idVendor == kMicrosoft &&
+         std::ranges::find(products, about.idProduct) != products.end();
 }
 
 std::string port_of(libusb_device* device) {
-  std::array<std::uint8_t, 8> ports{};
-  const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
   std::string text = std::to_string(libusb_get_bus_number(device));
-  for (int i = 0; i < depth; ++i) {
-    text += i == 0 ? '-' : '.';
-    text += std::to_string(ports[static_cast<std::size_t>(i)]);
+  char before = '-';
+  for (const std::uint8_t port : ports_of(device)) {
+    text += std::exchange(before, '.');
+    text += std::to_string(port);
   }
   return text;
+}
+std::string_view hub_of(std::string_view port) {
+  return port.substr(0, port.find_last_of("-."));
+}
+
+std::vector<KinectCamera> cameras_of(const DeviceList& list) {
+  std::vector<KinectCamera> cameras;
+  for (libusb_device* device : list.sorted()) {
+    if (!is_one_of(device, kKinectCameras)) continue;
+    const auto before =
+        list.all().first(static_cast<std::size_t>(std::ranges::find(list.all(), device) - list.all().begin()));
+    const auto listed = std::ranges::count_if(before, [](libusb_device* d) { return is_one_of(d, kKinectCameras); });
+    cameras.push_back({port_of(device), static_cast<int>(listed)});
+  }
+  return cameras;
+}
+
+Expected<Handle> open_device(libusb_device* device, const char* what) {
+  libusb_device_handle* handle = nullptr;
+  if (const int error = libusb_open(device, &handle); error != 0) return complain(what, error);
+  return Handle(handle);
 }
 
 double speed_of(libusb_device* device) {
@@ -127,15 +148,14 @@ double speed_of(libusb_device* device) {
 }
 
 void ask_serial(libusb_device* device, std::uint8_t index, UsbSensor& sensor) {
-  libusb_device_handle* opened = nullptr;
-  if (const int error = libusb_open(device, &opened); error != 0) {
-    sensor.problem = complain("cannot be opened", error).value().message;
+  const auto handle = open_device(device, "cannot be opened");
+  if (!handle) {
+    sensor.problem = handle.error().message;
     return;
   }
-  const Handle handle(opened);
   std::array<unsigned char, 64> text{};
   if (index != 0 &&
-      libusb_get_string_descriptor_ascii(opened, index, text.data(), static_cast<int>(text.size()) - 1) > 0)
+      libusb_get_string_descriptor_ascii(handle->get(), index, text.data(), static_cast<int>(text.size()) - 1) > 0)
     sensor.serial = reinterpret_cast<const char*>(text.data());
 }
 
@@ -174,13 +194,39 @@ Expected<std::vector<UsbSensor>> list_usb_sensors() {
   return sensors;
 }
 
-Expected<void> reset_kinect_camera(int number) {
+std::vector<KinectCamera> kinect_cameras(libusb_context* context) {
+  return cameras_of(DeviceList(context));
+}
+
+Expected<KinectCamera> find_kinect(const std::vector<KinectCamera>& cameras, std::string_view which) {
+  if (cameras.empty()) return fail("no Kinect is plugged in");
+  if (which.find('-') != std::string_view::npos) {
+    const auto found = std::ranges::find(cameras, which, &KinectCamera::port);
+    if (found == cameras.end()) return fail("no Kinect is plugged in on port " + std::string(which));
+    return *found;
+  }
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), number);
+  if (error != std::errc() || end != which.data() + which.size())
+    return fail("Kinect '" + std::string(which) + "': expected its number or its port");
+  if (number >= cameras.size()) return fail("only " + std::to_string(cameras.size()) + " are plugged in");
+  return cameras[number];
+}
+
+Expected<void> reset_kinect_camera(std::string_view which) {
   auto context = make_context();
   if (!context) return tl::unexpected(context.error());
-  auto camera = open_kinect(context->get(), kKinectCameras, number, "Kinect camera");
-  if (!camera) return tl::unexpected(camera.error());
-  const int error = libusb_reset_device(camera->get());
-  if (error != 0 && error != LIBUSB_ERROR_NOT_FOUND) return complain("Kinect camera: reset", error);
+  const DeviceList list(context->get());
+  const auto camera = find_kinect(cameras_of(list), which);
+  if (!camera) return fail("Kinect camera: " + camera.error().message);
+  for (libusb_device* device : list.all()) {
+    if (!is_one_of(device, kKinectCameras) || port_of(device) != camera->port) continue;
+    const auto handle = open_device(device, "Kinect camera");
+    if (!handle) return tl::unexpected(handle.error());
+    const int error = libusb_reset_device(handle->get());
+    if (error != 0 && error != LIBUSB_ERROR_NOT_FOUND) return complain("Kinect camera: reset", error);
+    break;
+  }
   return {};
 }
 
@@ -251,10 +297,24 @@ struct KinectMotor::State {
 KinectMotor::KinectMotor(std::unique_ptr<State> state) : state_(std::move(state)) {}
 KinectMotor::~KinectMotor() = default;
 
-Expected<std::unique_ptr<KinectMotor>> KinectMotor::open(int number) {
+Expected<std::unique_ptr<KinectMotor>> KinectMotor::open(std::string_view which) {
   auto context = make_context();
   if (!context) return tl::unexpected(context.error());
-  auto handle = open_kinect(context->get(), kMotors, number, "Kinect motor");
+  const DeviceList list(context->get());
+  const auto cameras = cameras_of(list);
+  const auto camera = find_kinect(cameras, which);
+  libusb_device* found = nullptr;
+  for (libusb_device* device : list.sorted()) {
+    if (!is_one_of(device, kMotors)) continue;
+    const bool beside = camera && hub_of(port_of(device)) == hub_of(camera->port);
+    if (beside || (found == nullptr && cameras.size() < 2 && (camera || cameras.empty()))) found = device;
+    if (beside) break;
+  }
+  if (found == nullptr) {
+    return fail("Kinect motor: " +
+                (camera ? "none beside the camera on port " + camera->port : camera.error().message));
+  }
+  auto handle = open_device(found, "Kinect motor");
   if (!handle) return tl::unexpected(handle.error());
   auto state = std::make_unique<State>();
   state->context = std::move(*context);

@@ -6,12 +6,15 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware_host/error.h"
 
 // What libusb does itself, beside the device libraries: who is plugged in, hot-plug, and the Kinect v1's motor, LED and
 // accelerometer.
+
+struct libusb_context;
 
 namespace armature {
 
@@ -27,14 +30,25 @@ struct UsbSensor {
   std::string problem;    ///< empty, or why it cannot be opened by this user
 };
 
-/// The sensors that are plugged in, in the order of bus and address. Fails where libusb cannot be initialised.
+/// The sensors that are plugged in, in the order of bus and port. Fails where libusb cannot be initialised.
 [[nodiscard]] Expected<std::vector<UsbSensor>> list_usb_sensors();
 
 /// The name of a sensor with these numbers; null where it is not one.
 [[nodiscard]] const char* sensor_name(std::uint16_t vendor, std::uint16_t product) noexcept;
 
-/// Resets the `number`-th Kinect v1 camera, as unplugging it would. It has to be opened anew.
-[[nodiscard]] Expected<void> reset_kinect_camera(int number);
+/// The camera of a Kinect v1 or Kinect for Windows.
+struct KinectCamera {
+  std::string port;  ///< "1-2.3", as the kernel names it: its own for as long as it stays plugged in
+  int listed = 0;    ///< how many others come before it in libusb's list of this context: what libfreenect counts
+  friend bool operator==(const KinectCamera&, const KinectCamera&) = default;
+};
+/// Those that are plugged in, in the order of bus and port: the one order in which `freenect:N` counts them.
+[[nodiscard]] std::vector<KinectCamera> kinect_cameras(libusb_context* context);
+/// The one that `which` names: "0", "1"... by that order, or its port. Fails where there is none.
+[[nodiscard]] Expected<KinectCamera> find_kinect(const std::vector<KinectCamera>& cameras, std::string_view which);
+
+/// Resets the camera that `which` names, as unplugging it would. It has to be opened anew.
+[[nodiscard]] Expected<void> reset_kinect_camera(std::string_view which);
 
 /// Tells of sensors that are plugged in or out. Thread-safe: no.
 class UsbWatch {
@@ -75,10 +89,12 @@ struct KinectPosture {
 /// The ten bytes that the motor answers with.
 [[nodiscard]] KinectPosture parse_kinect_posture(const std::array<std::uint8_t, 10>& answer) noexcept;
 
-/// The motor board of the `number`-th Kinect v1: a USB device beside its camera. Thread-safe: no.
+/// The motor board of a Kinect v1: a USB device beside its camera. Thread-safe: no.
 class KinectMotor {
  public:
-  [[nodiscard]] static Expected<std::unique_ptr<KinectMotor>> open(int number);
+  /// Beside the camera that `which` names, on the same hub. Where there are not two Kinects on the bus, so that it can
+  /// be nobody else's, also elsewhere, and without its camera, as when that has no power.
+  [[nodiscard]] static Expected<std::unique_ptr<KinectMotor>> open(std::string_view which);
   ~KinectMotor();
   KinectMotor(const KinectMotor&) = delete;
   KinectMotor& operator=(const KinectMotor&) = delete;

@@ -7,10 +7,15 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "firmware_host/capture/recovery.h"
 #include "firmware_host/capture/shared_frames.h"
+#include "firmware_host/recording/recorder.h"
 #include "tests/support/temporary_directory.h"
 
 namespace armature {
@@ -279,6 +284,9 @@ class CaptureProcessTest : public testing::Test {
     }
     return false;
   }
+  static std::string descriptor_of(pid_t process, int number) {
+    return "/proc/" + std::to_string(process) + "/fd/" + std::to_string(number);
+  }
   test::TemporaryDirectory directory_;
 };
 
@@ -333,6 +341,109 @@ TEST_F(CaptureProcessTest, StartsAProcessThatHangsAgain) {
   }
   EXPECT_TRUE(frame_comes(**source));
   EXPECT_EQ((*source)->health().restarts, 1U);
+}
+
+TEST_F(CaptureProcessTest, StartsAProcessThatHangsAgainWhateverTimeItWrites) {
+  auto source = open(dump(600));
+  ASSERT_TRUE(source) << source.error().message;
+  const pid_t victim = (*source)->process();
+  auto garbage = SharedFrames::attach(::open(descriptor_of(victim, kFramesDescriptor).c_str(), O_RDWR | O_CLOEXEC));
+  ASSERT_TRUE(garbage) << garbage.error().message;
+  ::kill(victim, SIGSTOP);
+  garbage->alive(std::chrono::nanoseconds::max());
+  garbage->set_state(CaptureState::Opening, "");  // so that nobody waits for frames
+  DepthFrame frame;
+  while ((*source)->read(frame, 0ms).value_or(ReadStatus::Timeout) == ReadStatus::Frame) {
+  }
+  EXPECT_TRUE(frame_comes(**source));
+  EXPECT_EQ((*source)->health().restarts, 1U);
+}
+
+TEST_F(CaptureProcessTest, BringsAKilledProcessBackWhereSigchldIsIgnored) {
+  const auto before = ::signal(SIGCHLD, SIG_IGN);
+  auto source = open(dump(300));
+  ASSERT_TRUE(source) << source.error().message;
+  ::kill((*source)->process(), SIGKILL);
+  DepthFrame frame;
+  std::string trouble;
+  for (int i = 0; i < 1000 && trouble.empty(); ++i) {
+    (void)(*source)->read(frame, 10ms);
+    trouble = (*source)->health().trouble;
+  }
+  EXPECT_NE(trouble.find("the capture process ended"), std::string::npos) << trouble;
+  EXPECT_TRUE(frame_comes(**source));
+  EXPECT_EQ((*source)->health().restarts, 1U);
+  source->reset();
+  ::signal(SIGCHLD, before);
+}
+
+TEST_F(CaptureProcessTest, NeedsNoHighDescriptors) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{256, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  const auto source = open(dump(20));
+  EXPECT_TRUE(source) << source.error().message;
+  ::setrlimit(RLIMIT_NOFILE, &before);
+}
+
+TEST_F(CaptureProcessTest, SaysWhyItCannotBeStarted) {
+  auto source = CaptureProcess::open(dump(20).substr(8), {.wait_for_device = 0ms});
+  ASSERT_TRUE(source) << source.error().message;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{1, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  DepthFrame frame;
+  EXPECT_EQ((*source)->read(frame, 0ms).value(), ReadStatus::Timeout);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_NE((*source)->health().trouble.find("cannot be started: "), std::string::npos) << (*source)->health().trouble;
+  EXPECT_TRUE(frame_comes(**source));
+}
+
+/// Its parent may have gone before it could ask to be told.
+TEST_F(CaptureProcessTest, GoesWhereItsParentIsNotWhoStartedIt) {
+  auto frames = SharedFrames::create();
+  ASSERT_TRUE(frames);
+  const std::string program =
+      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "../lib/armature/armature-capture").string();
+  const std::string uri = dump(20).substr(8), gone = std::to_string(::getppid());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(frames->descriptor(), kFramesDescriptor);
+    ::fcntl(kFramesDescriptor, F_SETFD, 0);
+    ::execl(program.c_str(), program.c_str(), gone.c_str(), uri.c_str(), nullptr);
+    ::_exit(99);
+  }
+  const int over = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  pollfd event{over, POLLIN, 0};
+  EXPECT_EQ(::poll(&event, 1, 30'000), 1) << "it stays";
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  DepthFrame frame;
+  EXPECT_EQ(frames->read(frame), SharedFrames::Read::Nothing);
+  ::close(over);
+}
+
+TEST_F(CaptureProcessTest, SaysThatAnImageIsTooLarge) {
+  const auto path = directory_.path() / "large.oni";
+  DepthFrame large = frame_of(2000, 1, 1920, 1080);
+  auto recorder = Recorder::create(path, {.intrinsics = large.intrinsics, .frames_per_second = 30, .origin = ""});
+  ASSERT_TRUE(recorder) << recorder.error().message;
+  for (large.sequence = 1; large.sequence < 4; ++large.sequence, large.sensor.time += 33ms)
+    ASSERT_TRUE(recorder->append(large.view()));
+  ASSERT_TRUE(recorder->finish());
+  auto source = CaptureProcess::open("oni:" + path.string(), {.wait_for_device = 0ms});
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  for (int i = 0; i < 200 && (*source)->health().trouble.find("1920 x 1080") == std::string::npos; ++i) {
+    EXPECT_NE((*source)->read(frame, 50ms).value(), ReadStatus::Frame);
+  }
+  EXPECT_NE((*source)->health().trouble.find("an image of 1920 x 1080"), std::string::npos)
+      << (*source)->health().trouble;
+  EXPECT_EQ((*source)->health().restarts, 0U);
 }
 
 TEST_F(CaptureProcessTest, TakesFramesThatAreNoGoodForSilence) {

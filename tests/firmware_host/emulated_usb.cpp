@@ -1,5 +1,6 @@
 #include "tests/firmware_host/emulated_usb.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -58,7 +59,8 @@ std::vector<std::uint8_t> packed_frame(std::uint16_t raw) {
 /// A transfer that was submitted and not reaped yet.
 struct Urb {
   Data data, buffer;
-  void* client = nullptr;  // its address in the process that submitted it
+  const UMockdevIoctlClient* owner = nullptr;  // who submitted it, and nobody else reaps it
+  void* client = nullptr;                      // its address there
   bool done = false;
 };
 
@@ -68,6 +70,11 @@ class Device {
     g_signal_connect(handler_, "handle-ioctl",
                      G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) -> gboolean {
                        return static_cast<Device*>(self)->handle(client) ? TRUE : FALSE;
+                     }),
+                     this);
+    g_signal_connect(handler_, "client-vanished",
+                     G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+                       static_cast<Device*>(self)->forget(client);
                      }),
                      this);
     umockdev_testbed_attach_ioctl(bus_.testbed(), node_.c_str(), handler_, nullptr);
@@ -84,9 +91,11 @@ class Device {
     gone_ = gone;
     if (!gone) urbs_.clear();
   }
+  std::atomic<int> resets = 0;  // the test looks on
 
  protected:
-  /// A control request; its answer goes into `data`, whose length is returned; negative: stalled.
+  static constexpr int kStalled = -1, kNoAnswer = -2;
+  /// A control request; its answer goes into `data`, whose length is returned; negative: one of the above.
   virtual int control(const std::uint8_t* setup, std::uint8_t* data, std::size_t size) = 0;
   /// Fills isochronous packets; false: nothing to send yet.
   virtual bool isochronous(usbdevfs_urb&, std::uint8_t*) { return false; }
@@ -117,14 +126,17 @@ class Device {
       case USBDEVFS_RELEASEINTERFACE:
       case USBDEVFS_SETINTERFACE:
       case USBDEVFS_CLEAR_HALT:
-      case USBDEVFS_RESET:
       case USBDEVFS_IOCTL: return complete(request == USBDEVFS_IOCTL ? -1 : 0, request == USBDEVFS_IOCTL ? ENODATA : 0);
-      case USBDEVFS_SUBMITURB: return submit(argument) ? complete(0, 0) : complete(-1, EFAULT);
-      case USBDEVFS_DISCARDURB: return discard(argument) ? complete(0, 0) : complete(-1, EINVAL);
+      case USBDEVFS_RESET: ++resets; return complete(0, 0);
+      case USBDEVFS_SUBMITURB: return submit(client, argument) ? complete(0, 0) : complete(-1, EFAULT);
+      case USBDEVFS_DISCARDURB: return discard(client, argument) ? complete(0, 0) : complete(-1, EINVAL);
       case USBDEVFS_REAPURB:
       case USBDEVFS_REAPURBNDELAY: {
-        Urb* urb = ready();
-        if (urb == nullptr) return complete(-1, gone_ && urbs_.empty() ? ENODEV : EAGAIN);
+        Urb* urb = ready(client);
+        if (urb == nullptr) {
+          const bool any = std::ranges::any_of(urbs_, [&](const Urb& other) { return other.owner == client; });
+          return complete(-1, gone_ && !any ? ENODEV : EAGAIN);
+        }
         const Data pointer = resolve(argument, 0, sizeof(void*));
         if (!pointer) return complete(-1, EFAULT);
         umockdev_ioctl_data_set_ptr(pointer.get(), 0, urb->data.get());
@@ -136,10 +148,15 @@ class Device {
     }
   }
 
-  bool submit(UMockdevIoctlData* argument) {
+  void forget(const UMockdevIoctlClient* owner) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(urbs_, [&](const Urb& urb) { return urb.owner == owner; });
+  }
+  bool submit(const UMockdevIoctlClient* owner, UMockdevIoctlData* argument) {
     // Resolving puts our own address in the place of the client's: the size is known only then, so do it again.
     void* const client = *reinterpret_cast<void**>(argument->data);
     Urb urb;
+    urb.owner = owner;
     urb.client = client;
     urb.data = resolve(argument, 0, sizeof(usbdevfs_urb));
     if (!urb.data) return false;
@@ -161,24 +178,25 @@ class Device {
       const int length = control(bytes, bytes + 8, static_cast<std::size_t>(about->buffer_length) - 8);
       about->status = length < 0 ? -EPIPE : 0;
       about->actual_length = std::max(length, 0);
-      urb.done = true;
+      urb.done = length != kNoAnswer;
     }
     urbs_.push_back(std::move(urb));
     return true;
   }
-  bool discard(UMockdevIoctlData* argument) {
+  bool discard(const UMockdevIoctlClient* owner, UMockdevIoctlData* argument) {
     void* const client = *reinterpret_cast<void**>(argument->data);
     for (Urb& urb : urbs_) {
-      if (urb.client != client || urb.done) continue;
+      if (urb.owner != owner || urb.client != client || urb.done) continue;
       view<usbdevfs_urb>(urb.data)->status = -ENOENT;
       urb.done = true;
       return true;
     }
     return false;
   }
-  Urb* ready() {
+  Urb* ready(const UMockdevIoctlClient* owner) {
     bool waiting = false;  // isochronous transfers complete in order
     for (Urb& urb : urbs_) {
+      if (urb.owner != owner) continue;
       auto* about = view<usbdevfs_urb>(urb.data);
       if (!urb.done && gone_) {
         about->status = -ENODEV;
@@ -222,7 +240,7 @@ class Camera final : public Device {
     }
     if (setup[0] == 0xC0) return reply(data, size);
     if (setup[0] == 0x80 && setup[1] == 6 && setup[3] == 3) return text(setup[2], data);
-    return setup[0] < 0x80 ? 0 : -1;
+    return setup[0] < 0x80 ? 0 : kStalled;
   }
   static int text(std::uint8_t index, std::uint8_t* data) {
     const std::string words = index == 0 ? "" : "A00362912345678A";
@@ -252,7 +270,7 @@ class Camera final : public Device {
       packet_ = 0;
       next_ = Clock::now();
     }
-    if (8 + length > size) return -1;
+    if (8 + length > size) return kStalled;
     std::memset(data, 0, 8 + length);
     data[0] = 0x52;
     data[1] = 0x42;
@@ -318,13 +336,16 @@ class Camera final : public Device {
 class Motor final : public Device {
  public:
   using Device::Device;
-  std::atomic<int> light = -1, tilt = 0;  // the test looks on
+  std::atomic<int> light = -1, tilt = 0, asked = 0;  // the test looks on
+  std::atomic<bool> hangs = false;
 
  private:
   int control(const std::uint8_t* setup, std::uint8_t* data, std::size_t size) override {
+    ++asked;
+    if (hangs) return kNoAnswer;
     if (setup[0] == 0x40 && setup[1] == 0x06) light = static_cast<int>(get16(setup + 2));
     if (setup[0] == 0x40 && setup[1] == 0x31) tilt = static_cast<std::int16_t>(get16(setup + 2));
-    if (setup[0] != 0xC0 || setup[1] != 0x32 || size < 10) return setup[0] == 0x40 ? 0 : -1;
+    if (setup[0] != 0xC0 || setup[1] != 0x32 || size < 10) return setup[0] == 0x40 ? 0 : kStalled;
     // Level, but turned by 14 degrees: 0, 795, 198 counts of 819; the motor at -7 degrees.
     const std::array<std::uint8_t, 10> answer = {0, 0, 0, 0, 0x03, 0x1B, 0x00, 0xC6, 0xF2, 0};
     std::memcpy(data, answer.data(), answer.size());
@@ -332,16 +353,29 @@ class Motor final : public Device {
   }
 };
 
-std::string description(const char* path, const char* node, int number, const char* descriptors) {
-  const std::string devnum = std::to_string(number);
-  return std::string("P: ") + path + "\nN: " + node + "\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=00" +
-         devnum + "\nE: DEVNAME=/dev/" + node +
-         "\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\nA: devnum=" + devnum +
-         "\\n\nA: speed=480\\n\nH: descriptors=" + descriptors + "\n";
-}
+/// A device on bus 1: the ports that lead to it, as the kernel writes them, and its number.
+struct Place {
+  std::string ports;
+  int number = 0;
+  [[nodiscard]] std::string node() const {
+    const std::string digits = std::to_string(number);
+    return "bus/usb/001/" + std::string(3 - digits.size(), '0') + digits;
+  }
+  [[nodiscard]] std::string path() const {
+    const auto hub = ports.find('.');
+    return "/devices/usb1/" + (hub == ports.npos ? "" : "1-" + ports.substr(0, hub) + "/") + "1-" + ports;
+  }
+  [[nodiscard]] std::string description(const char* descriptors) const {
+    return "P: " + path() + "\nN: " + node() +
+           "\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=" + node().substr(node().size() - 3) +
+           "\nE: DEVNAME=/dev/" + node() +
+           "\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\nA: devnum=" + std::to_string(number) +
+           "\\n\nA: speed=480\\n\nH: descriptors=" + descriptors + "\n";
+  }
+};
 
 // Device, configuration, interface and endpoint descriptors. Camera: 045e:02ae, release 1.0b (model 1414), isochronous
-// endpoints 81 and 82. Motor: 045e:02b0, no endpoints.
+// endpoints 81 and 82. Motor: 045e:02b0, no endpoints. Hub: 0409:005a.
 constexpr const char* kCameraDescriptors =
     "12010002000000405e04ae020b0102010301"
     "09022000010100c032"
@@ -354,27 +388,42 @@ constexpr const char* kMotorDescriptors =
     "09021200010100c032"
     "0904000000ffffff00";
 
-constexpr const char* kCameraPath = "/sys/devices/usb1/1-1";
-constexpr const char* kMotorPath = "/sys/devices/usb1/1-2";
+constexpr const char* kHubDescriptors =
+    "120100020900014009045a00000100000001"
+    "09021900010100e032"
+    "090400000109000000"
+    "0705810301000c";
 
 }  // namespace
 
 struct EmulatedKinect::State {
-  explicit State(EmulatedBus& the_bus)
-      : bus(the_bus), camera(bus, "/dev/bus/usb/001/002"), motor(bus, "/dev/bus/usb/001/003") {}
+  State(EmulatedBus& the_bus, int hub_port)
+      : bus(the_bus),
+        hub{std::to_string(hub_port), 10 * hub_port},
+        camera_at{hub_port == 0 ? "1" : hub.ports + ".1", hub.number + 2},
+        motor_at{hub_port == 0 ? "2" : hub.ports + ".2", hub.number + 3},
+        camera(bus, "/dev/" + camera_at.node()),
+        motor(bus, "/dev/" + motor_at.node()) {}
   EmulatedBus& bus;
+  Place hub, camera_at, motor_at;
   Camera camera;
   Motor motor;
-  std::vector<const char*> plugged;  // paths
+  std::vector<std::string> plugged;  // paths, hubs first
 
-  void remove(const char* path) {
-    umockdev_testbed_uevent(bus.testbed(), path, "remove");
-    umockdev_testbed_remove_device(bus.testbed(), path);
-    std::erase(plugged, path);
+  void add(const Place& place, const char* descriptors) {
+    GError* error = nullptr;
+    umockdev_testbed_add_from_string(bus.testbed(), place.description(descriptors).c_str(), &error);
+    if (error != nullptr) g_error("%s", error->message);
+    plugged.push_back("/sys" + place.path());
+  }
+  void remove(const std::string& path) {
+    umockdev_testbed_uevent(bus.testbed(), path.c_str(), "remove");
+    umockdev_testbed_remove_device(bus.testbed(), path.c_str());
+    std::erase(plugged, std::string(path));
   }
 };
 
-EmulatedKinect::EmulatedKinect(EmulatedBus& bus) : state_(std::make_unique<State>(bus)) {}
+EmulatedKinect::EmulatedKinect(EmulatedBus& bus, int hub) : state_(std::make_unique<State>(bus, hub)) {}
 EmulatedKinect::~EmulatedKinect() {
   unplug();
 }
@@ -382,29 +431,33 @@ EmulatedKinect::~EmulatedKinect() {
 void EmulatedKinect::plug_in() {
   state_->camera.set_gone(false);
   state_->motor.set_gone(false);
-  GError* error = nullptr;
-  umockdev_testbed_add_from_string(state_->bus.testbed(),
-                                   description("/devices/usb1/1-1", "bus/usb/001/002", 2, kCameraDescriptors).c_str(),
-                                   &error);
-  umockdev_testbed_add_from_string(
-      state_->bus.testbed(), description("/devices/usb1/1-2", "bus/usb/001/003", 3, kMotorDescriptors).c_str(), &error);
-  if (error != nullptr) g_error("%s", error->message);
-  state_->plugged = {kCameraPath, kMotorPath};
+  if (state_->hub.number != 0) state_->add(state_->hub, kHubDescriptors);
+  state_->add(state_->camera_at, kCameraDescriptors);
+  state_->add(state_->motor_at, kMotorDescriptors);
 }
 
 void EmulatedKinect::unplug_power() {
   state_->camera.set_gone(true);
-  state_->remove(kCameraPath);
+  state_->remove("/sys" + state_->camera_at.path());
 }
 
 void EmulatedKinect::unplug() {
   state_->camera.set_gone(true);
   state_->motor.set_gone(true);
-  while (!state_->plugged.empty()) state_->remove(state_->plugged.front());
+  while (!state_->plugged.empty()) state_->remove(std::string(state_->plugged.back()));
 }
 
 void EmulatedKinect::stall(bool on) {
   state_->camera.stall(on);
+}
+void EmulatedKinect::hang_motor(bool on) {
+  state_->motor.hangs = on;
+}
+int EmulatedKinect::motor_requests() const {
+  return state_->motor.asked;
+}
+int EmulatedKinect::resets() const {
+  return state_->camera.resets;
 }
 int EmulatedKinect::light() const {
   return state_->motor.light;

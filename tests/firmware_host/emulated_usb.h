@@ -32,7 +32,8 @@ class EmulatedBus {
 /// What it sees is the raw value that `raw_of(frame)` says, all over the image. Answers on umockdev's own thread.
 class EmulatedKinect {
  public:
-  explicit EmulatedKinect(EmulatedBus& bus);
+  /// On ports 1-1 (the camera) and 1-2, or, as real ones are, on a hub of its own: 1-`hub`.1 and 1-`hub`.2.
+  explicit EmulatedKinect(EmulatedBus& bus, int hub = 0);
   ~EmulatedKinect();
   EmulatedKinect(const EmulatedKinect&) = delete;
   EmulatedKinect& operator=(const EmulatedKinect&) = delete;
@@ -44,10 +45,16 @@ class EmulatedKinect {
   void unplug_power();
   /// Stops sending without going away.
   void stall(bool on);
+  /// The motor board answers nothing.
+  void hang_motor(bool on);
 
   /// What the LED and the motor were last told.
   [[nodiscard]] int light() const;
   [[nodiscard]] int tilt_half_degrees() const;
+  /// Control requests to the motor board so far.
+  [[nodiscard]] int motor_requests() const;
+  /// How often the camera was reset.
+  [[nodiscard]] int resets() const;
   /// Frames sent so far.
   [[nodiscard]] int frames() const;
 

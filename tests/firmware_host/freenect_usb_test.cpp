@@ -80,7 +80,7 @@ TEST_F(KinectTest, ItsDepthComesInMillimetresWithItsOwnTimeAndFocalLength) {
 
 TEST_F(KinectTest, MotorLightAndAccelerometerAnswer) {
   kinect_.plug_in();
-  auto motor = KinectMotor::open(0);
+  auto motor = KinectMotor::open("0");
   ASSERT_TRUE(motor) << motor.error().message;
   EXPECT_TRUE((*motor)->light(KinectLight::Green));
   EXPECT_EQ(kinect_.light(), 1);
@@ -92,6 +92,84 @@ TEST_F(KinectTest, MotorLightAndAccelerometerAnswer) {
   EXPECT_NEAR(posture->up_m_s2[1], -9.52, 0.01);
   EXPECT_NEAR(posture->up_m_s2[2], 2.37, 0.01);
   EXPECT_EQ(posture->tilt_deg, -7);
+}
+
+/// libusb lists them the other way round than their ports and addresses are.
+class TwoKinectsTest : public KinectTest {
+ protected:
+  void SetUp() override {
+    KinectTest::SetUp();
+    if (IsSkipped()) return;
+    one_.plug_in();
+    other_.plug_in();
+  }
+  /// Whose frames `uri` brings.
+  EmulatedKinect* read_by(std::string_view which) {
+    const auto source = open_freenect_device(which, {});
+    EXPECT_TRUE(source) << source.error().message;
+    if (!source) return nullptr;
+    DepthFrame frame;
+    const int before = one_.frames(), others_before = other_.frames();
+    EXPECT_TRUE(frame_within(**source, frame, 10s));
+    EXPECT_NE(one_.frames() > before, other_.frames() > others_before);
+    return one_.frames() > before ? &one_ : &other_;
+  }
+  EmulatedKinect one_{bus_, 3}, other_{bus_, 4};
+};
+
+TEST_F(TwoKinectsTest, ANumberMeansTheSameOneEverywhere) {
+  const auto sensors = list_usb_sensors();
+  ASSERT_TRUE(sensors) << sensors.error().message;
+  ASSERT_EQ(sensors->size(), 2U);
+  EXPECT_EQ(sensors->front().uri, "freenect:0");
+  EXPECT_EQ(sensors->front().port, "1-3.1");
+  EXPECT_EQ(sensors->back().uri, "freenect:1");
+  EXPECT_EQ(sensors->back().port, "1-4.1");
+  EXPECT_EQ(read_by("0"), &one_);
+  EXPECT_EQ(read_by("1"), &other_);
+  EXPECT_EQ(read_by("1-3.1"), &one_);
+  EXPECT_EQ(read_by("1-4.1"), &other_);
+  ASSERT_TRUE(reset_kinect_camera("0"));
+  EXPECT_EQ(std::pair(one_.resets(), other_.resets()), std::pair(1, 0));
+  for (const char* which : {"1", "1-4.1"}) {
+    const auto motor = KinectMotor::open(which);
+    ASSERT_TRUE(motor) << motor.error().message;
+    ASSERT_TRUE((*motor)->light(KinectLight::Red));
+    EXPECT_EQ(one_.motor_requests(), 0);
+  }
+  EXPECT_EQ(other_.light(), 2);
+}
+
+TEST_F(TwoKinectsTest, WhatIsOpenIsResetWhoeverComesOrGoes) {
+  other_.unplug();
+  const auto source = open_freenect_device("0", {});
+  ASSERT_TRUE(source) << source.error().message;
+  EmulatedKinect newcomer(bus_, 2);
+  newcomer.plug_in();
+  ASSERT_EQ(list_usb_sensors()->front().port, "1-2.1");
+  EXPECT_TRUE((*source)->recover(RecoverBy::ResettingDevice));
+  EXPECT_EQ(std::pair(one_.resets(), newcomer.resets()), std::pair(1, 0));
+}
+
+TEST_F(TwoKinectsTest, TheMotorOfOneWithoutPowerIsNobodyElses) {
+  one_.unplug_power();
+  EXPECT_EQ(read_by("0"), &other_);
+  const auto motor = KinectMotor::open("0");
+  ASSERT_TRUE(motor) << motor.error().message;
+  ASSERT_TRUE((*motor)->light(KinectLight::Green));
+  EXPECT_EQ(std::pair(one_.light(), other_.light()), std::pair(-1, 1));
+  EXPECT_FALSE(KinectMotor::open("1-3.1"));
+}
+
+TEST_F(KinectTest, WhatIsNotThereIsNamed) {
+  const auto why = [](std::string_view which) { return open_freenect_device(which, {}).error().message; };
+  EXPECT_EQ(why("0"), "freenect:0: no Kinect is plugged in; `armature devices` lists what is");
+  kinect_.plug_in();
+  EXPECT_EQ(why("1"), "freenect:1: only 1 are plugged in; `armature devices` lists what is");
+  EXPECT_EQ(why("1-7"), "freenect:1-7: no Kinect is plugged in on port 1-7; `armature devices` lists what is");
+  for (const char* which : {"", "x", "1-2x", "+1", "123", "1 "})
+    EXPECT_NE(why(which).find(std::string("'freenect:") + which + "': expected freenect:N"), std::string::npos)
+        << which;
 }
 
 TEST_F(KinectTest, HotplugTellsOfArrivalAndDeparture) {
@@ -136,6 +214,21 @@ TEST_F(KinectTest, HotplugUnderAProcessOfItsOwnStopsAndComesBack) {
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - unplugged).count(), trouble.c_str());
     EXPECT_NE(trouble, "");
   }
+}
+
+TEST_F(KinectTest, AMotorThatDoesNotAnswerIsAskedOnceAMinuteAndHoldsNothingUp) {
+  kinect_.plug_in();
+  kinect_.hang_motor(true);
+  const auto source = open_freenect_device("0", {});
+  ASSERT_TRUE(source) << source.error().message;
+  DepthFrame frame;
+  (*source)->show(StatusLight::Ready);
+  for (int i = 0; i < 1000 && kinect_.motor_requests() == 0; ++i) ASSERT_TRUE(frame_within(**source, frame, 10s));
+  for (const StatusLight light : {StatusLight::Trouble, StatusLight::Ready, StatusLight::Trouble, StatusLight::Off}) {
+    (*source)->show(light);
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(frame_within(**source, frame, 10s));
+  }
+  EXPECT_EQ(kinect_.motor_requests(), 1);
 }
 
 TEST_F(KinectTest, ItsLightIsOffWhenNobodyReadsIt) {

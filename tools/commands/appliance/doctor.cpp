@@ -67,7 +67,7 @@ void look_at_sensors(Findings& findings) {
       findings.bad("bandwidth", fmt::format("{} sensors share USB bus {}", count, bus),
                    "a depth stream takes most of a bus: plug them into ports of different controllers (`lsusb -t`)");
   }
-  if (kinects == 0 && KinectMotor::open(0))
+  if (kinects == 0 && KinectMotor::open("0"))
     findings.bad("power", "the motor of a Kinect is there and its camera is not",
                  "plug in the Kinect's own power supply: USB alone feeds the motor board only");
   const auto nodes = list_depth_nodes();

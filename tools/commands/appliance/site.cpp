@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -48,9 +47,7 @@ std::optional<Eigen::Vector3f> up_by_gravity(std::string_view source) {
   constexpr std::string_view kKinect = "freenect:";
   if (!source.starts_with(kKinect)) return std::nullopt;
   source.remove_prefix(kKinect.size());
-  int number = 0;
-  std::from_chars(source.data(), source.data() + source.size(), number);
-  const auto motor = KinectMotor::open(number);
+  const auto motor = KinectMotor::open(source);
   if (!motor) return std::nullopt;
   const auto posture = (*motor)->posture();
   if (!posture) return std::nullopt;
