@@ -93,6 +93,8 @@ class Reader {
     complaint_ = fmt::format("{}:{}: {}", name_, where.begin.line, what);
   }
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
+  /// The place of each key that was there.
+  [[nodiscard]] auto take_places() { return std::move(places_); }
   [[nodiscard]] bool has(std::string_view path) const { return bool(root_.at_path(path)); }
   [[nodiscard]] toml::source_region place(std::string_view path) const {
     const auto node = root_.at_path(path);
@@ -103,21 +105,26 @@ class Reader {
   template <class T, class Accept>
   void take(std::string_view key, const std::string& expected, Accept accept) {
     const std::string path = section_ + "." + std::string(key);
-    known_.insert(path);
-    const auto node = root_.at_path(path);
-    if (!node) return;
-    const auto value = node.node()->template value_exact<T>();
-    if (!value || !accept(*value)) refuse(path, *node.node(), expected);
+    const toml::node* node = find(path);
+    if (node == nullptr) return;
+    const auto value = node->template value_exact<T>();
+    if (!value || !accept(*value)) refuse(path, *node, expected);
   }
   template <class Accept>
   void scaled(std::string_view key, float low, float high, Accept accept) {
     const std::string path = section_ + "." + std::string(key);
-    known_.insert(path);
-    const auto node = root_.at_path(path);
-    if (!node) return;
-    const auto value = node.node()->is_number() ? node.node()->template value<double>() : std::nullopt;
+    const toml::node* node = find(path);
+    if (node == nullptr) return;
+    const auto value = node->is_number() ? node->template value<double>() : std::nullopt;
     if (value && *value >= static_cast<double>(low) && *value <= static_cast<double>(high)) return accept(*value);
-    refuse(path, *node.node(), fmt::format("a number from {} to {}", low, high));
+    refuse(path, *node, fmt::format("a number from {} to {}", low, high));
+  }
+  /// What a known key is set to; null where it is not there.
+  const toml::node* find(const std::string& path) {
+    known_.insert(path);
+    const toml::node* node = root_.at_path(path).node();
+    if (node != nullptr) places_[path] = fmt::format("{}:{}", name_, node->source().begin.line);
+    return node;
   }
   void refuse(const std::string& path, const toml::node& node, const std::string& expected) {
     complain(node.source(), fmt::format("{} = {}: expected {}", path, shown(node), expected));
@@ -143,6 +150,7 @@ class Reader {
   std::string name_;
   std::string section_;
   std::set<std::string> known_;
+  decltype(Config::set_at) places_;
   toml::source_index first_line_ = 0;
   std::string complaint_;
 };
@@ -190,8 +198,20 @@ class Writer {
   std::string out_;
 };
 
-/// `background_line`: where in the text the background is named.
-Expected<Config> parse(std::string_view text, std::string_view name, toml::source_index& background_line) {
+}  // namespace
+
+tl::unexpected<Error> refuse(const Config& config, std::string_view key, std::string_view value, std::string_view why) {
+  for (const auto& known :
+       {fmt::format("{}: ", value), fmt::format("endpoint {}: ", value), fmt::format("source '{}': ", value)}) {
+    if (!why.starts_with(known)) continue;
+    why.remove_prefix(known.size());
+    break;
+  }
+  const auto place = config.set_at.find(key);
+  return fail(fmt::format("{}{} = {}: {}", place == config.set_at.end() ? "" : place->second + ": ", key, value, why));
+}
+
+Expected<Config> parse_config(std::string_view text, std::string_view name) {
   toml::table root;
   try {
     root = toml::parse(text, name);
@@ -223,15 +243,8 @@ Expected<Config> parse(std::string_view text, std::string_view name, toml::sourc
         fmt::format("engagement.near_m = {} and far_m = {}: expected near_m < far_m", active.near_m, active.far_m));
   }
   if (!reader.complaint().empty()) return fail(reader.complaint());
-  background_line = reader.place("segmentation.background").begin.line;
+  config.set_at = reader.take_places();
   return config;
-}
-
-}  // namespace
-
-Expected<Config> parse_config(std::string_view text, std::string_view name) {
-  toml::source_index background_line = 0;
-  return parse(text, name, background_line);
 }
 
 Expected<Config> load_config(const std::filesystem::path& path) {
@@ -246,15 +259,14 @@ Expected<Config> load_config(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (!in && !in.eof()) return fail(path.string() + ": cannot be read");
-  toml::source_index line = 0;
-  auto config = parse(text, path.string(), line);
+  auto config = parse_config(text, path.string());
   if (!config || config->background.empty()) return config;
   auto background = read_background(config->background);
   if (!background) {
     const std::string why = background.error().message;
     const bool closed = why.find(std::generic_category().message(EACCES)) != std::string::npos;
-    return fail(fmt::format("{}:{}: segmentation.background = {}{}", path.string(), line, why,
-                            closed ? "; let the daemon read it: systemd-tmpfiles --create armature.conf" : ""));
+    return refuse(*config, "segmentation.background", config->background,
+                  why + (closed ? "; let the daemon read it: systemd-tmpfiles --create armature.conf" : ""));
   }
   config->tracker.segmentation.background = std::make_shared<const StoredBackground>(std::move(*background));
   return config;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -28,7 +30,14 @@ struct Config {
   std::string model;                                 ///< a forest; empty: the one that is installed
   Profile profile = Profile::Standing;
   TrackerOptions tracker;
+  /// Where what is not its default was set: by key ("source.uri") "FILE:LINE", or the option of the command line.
+  std::map<std::string, std::string, std::less<>> set_at;
 };
+
+/// An error about what a key is set to, in the form that load_config() has: PLACE: key = value: why. What `why` says of
+/// the value first is not said twice.
+[[nodiscard]] tl::unexpected<Error> refuse(const Config& config, std::string_view key, std::string_view value,
+                                           std::string_view why);
 
 /// Reads and validates a TOML file, and the background it names. An unknown key, a wrong type, a value out of range or
 /// a pair that cannot be steered with is an error of one line: FILE:LINE: key = value: what was expected.

@@ -6,11 +6,10 @@
 
 #include <CLI/CLI.hpp>
 #include <pthread.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include "tracker/config.h"
 #include "tracker/daemon/daemon.h"
+#include "tracker/daemon/logging.h"
 
 namespace {
 
@@ -23,9 +22,14 @@ struct CommandLine {
   bool quiet = false;
 
   void apply(Config& config) const {
-    if (!source.empty()) config.source = source;
-    if (!endpoint.empty()) config.endpoint = endpoint;
-    if (!model.empty()) config.model = model;
+    const auto set = [&config](std::string& value, const char* key, const std::string& given, const char* option) {
+      if (given.empty()) return;
+      value = given;
+      config.set_at[key] = option;
+    };
+    set(config.source, "source.uri", source, "--source");
+    set(config.endpoint, "publish.endpoint", endpoint, "--endpoint");
+    set(config.model, "skeleton.model", model, "--model");
     if (lossless) config.lossless = true;
     for (std::size_t mode = 0; mode < kRestModeNames.size(); ++mode) {
       if (rest == kRestModeNames[mode]) config.tracker.rest.mode = static_cast<RestMode>(mode);
@@ -34,13 +38,15 @@ struct CommandLine {
 };
 
 /// SIGTERM and SIGINT stop the daemon, SIGHUP makes it read its configuration again. Signals are taken by one thread
-/// that waits for them, so that no handler interrupts anything.
+/// that waits for them, so that no handler interrupts anything. Whoever reads the log may go (SIGPIPE): it does not end
+/// us, without a zero. The capture process sets its own.
 class Signals {
  public:
   Signals() {
     sigemptyset(&set_);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set_, signal);
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);  // before any other thread starts: they inherit it
+    std::signal(SIGPIPE, SIG_IGN);
   }
 
   void watch(Daemon& daemon) {
@@ -104,7 +110,7 @@ int run_program(int argc, char** argv) {
   app.add_option("--rest", line.rest, "where the rest pose comes from: stillness (live), auto or first (recordings)")
       ->check(CLI::IsMember({"stillness", "auto", "first"}));
   app.add_flag("--lossless", line.lossless, "read a recording frame by frame, as fast as possible, and drop none");
-  app.add_flag("--quiet", line.quiet, "log nothing but failures");
+  app.add_flag("--quiet", line.quiet, "log nothing but failures, and that anybody may listen where that is so");
   app.add_flag("--print-config", line.print_config, "print the configuration in force, documented, and exit");
   app.set_version_flag("--version", ARMATURE_VERSION);
   try {
@@ -119,11 +125,9 @@ int run_program(int argc, char** argv) {
     return 2;
   }
 
-  spdlog::set_default_logger(spdlog::stderr_color_mt("armatured"));
-  spdlog::set_pattern("%H:%M:%S.%e %n: %v");
-  if (line.quiet) spdlog::set_level(spdlog::level::err);
+  log_to_stderr(line.quiet);
   if (const auto result = run(line); !result) {
-    std::fprintf(stderr, "armatured: %s\n", result.error().message.c_str());
+    log_failure(result.error().message.c_str());
     return 1;
   }
   return 0;
@@ -135,7 +139,7 @@ int main(int argc, char** argv) {
   try {
     return run_program(argc, argv);
   } catch (const std::exception& unexpected) {
-    std::fprintf(stderr, "armatured: %s\n", unexpected.what());
+    log_failure(unexpected.what());
     return 1;
   }
 }

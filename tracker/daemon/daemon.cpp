@@ -10,9 +10,9 @@
 
 #include "tracker/daemon/daemon_state.h"
 #include "tracker/daemon/security.h"
+#include "tracker/daemon/startup.h"
 #include "tracker/daemon/wire.h"
 #include "tracker/segmentation/stored_background.h"
-#include "tracker/synth/open_source.h"
 
 namespace armature {
 namespace {
@@ -57,22 +57,17 @@ Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   // published, a few times, for what ZeroMQ sends.
   ::mallopt(M_ARENA_MAX, 1);
   const Config& config = options.config;
-  if (config.source.empty() && !options.source)
-    return fail("no source: name one with --source URI or source.uri in the configuration");
+  auto source = options.source ? Expected<std::unique_ptr<DepthSource>>(std::move(options.source))
+                               : source_of(config, options.clock);
+  if (!source) return tl::unexpected(source.error());
   const auto door = door_of(config);
   if (!door) return tl::unexpected(door.error());
   const auto control_at = control_endpoint(config);
   if (!control_at) return tl::unexpected(control_at.error());
   auto uids = control_uids(config);
   if (!uids) return tl::unexpected(uids.error());
-  auto model = load_model(config);
+  auto model = model_of(config);
   if (!model) return tl::unexpected(model.error());
-  auto source = options.source
-                    ? Expected<std::unique_ptr<DepthSource>>(std::move(options.source))
-                    : open_source(config.source, {.pacing = config.lossless ? Pacing::Lossless : Pacing::RealTime,
-                                                  .clock = options.clock,
-                                                  .wait_for_device = 0ms});
-  if (!source) return tl::unexpected(source.error());
   const auto clock = options.clock;
   auto publisher =
       as_ours(wire::Publisher::bind(config.endpoint, {.now = [clock] { return clock->now(); }, .curve = *door}));
@@ -82,7 +77,8 @@ Expected<std::unique_ptr<Daemon>> Daemon::create(DaemonOptions options) {
   auto feed = FeedThread::start(config.endpoint, *door);
   if (!feed) return tl::unexpected(feed.error());
   if (config.endpoint.starts_with("tcp:") && !*door) {
-    spdlog::warn("{} is insecure, as configured: everybody on the network may listen", config.endpoint);
+    // An error for the log: whatever else it leaves out, this is said at every start.
+    spdlog::error("{} is insecure, as configured: everybody on the network may listen", config.endpoint);
   }
   const int port = config.metrics_port;
   auto state = std::make_unique<State>(std::move(options), std::move(*model), std::move(*source), std::move(*publisher),

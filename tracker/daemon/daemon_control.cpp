@@ -7,9 +7,8 @@
 #include <unistd.h>
 
 #include "tracker/daemon/daemon_state.h"
-#include "tracker/daemon/security.h"
+#include "tracker/daemon/startup.h"
 #include "tracker/daemon/wire.h"
-#include "tracker/installation.h"
 
 namespace armature {
 namespace {
@@ -31,45 +30,27 @@ Expected<void> write_file(const std::filesystem::path& path, const std::string& 
 
 }  // namespace
 
-Expected<std::shared_ptr<const Forest>> load_model(const Config& config) {
-  auto forest = Forest::load(config.model.empty() ? installed_model() : std::filesystem::path(config.model));
-  if (!forest) return tl::unexpected(forest.error());
-  return std::make_shared<const Forest>(std::move(*forest));
-}
-
 Expected<void> Daemon::State::reload() {
-  if (options.config_file.empty()) return fail("started without --config: there is nothing to reload");
   service.reloading();
-  auto done = take_config_file();
+  auto taken = take_config_file();
+  if (!taken) {
+    metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
+    say(wire::EventKind::ConfigRejected, taken.error().message + "; the configuration stays as it is");
+  }
   service.ready();
-  return done;
+  return taken;
 }
 
 Expected<void> Daemon::State::take_config_file() {
+  if (options.config_file.empty()) return fail("started without --config: there is nothing to reload");
   auto read = load_config(options.config_file);
-  // What is refused at the start is refused here: who may connect, and who may change something.
-  if (read) {
-    options.override_config(*read);
-    const auto refuse = [&](const Error& why) { read = fail(options.config_file.string() + ": " + why.message); };
-    if (const auto door = door_of(*read); !door)
-      refuse(door.error());
-    else if (const auto endpoint = control_endpoint(*read); !endpoint)
-      refuse(endpoint.error());
-    else if (const auto uids = control_uids(*read); !uids)
-      refuse(uids.error());
-  }
-  if (!read) {
-    metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
-    say(wire::EventKind::ConfigRejected, read.error().message + "; the configuration stays as it is");
-    return tl::unexpected(read.error());
-  }
+  if (!read) return tl::unexpected(read.error());
+  options.override_config(*read);
+  // What would be refused at the next start is refused here.
+  if (const auto refused = refusals(*read, config.source); !refused.empty()) return tl::unexpected(refused.front().why);
   if (read->model != config.model) {
-    auto model = load_model(*read);
-    if (!model) {
-      metrics.reloads_refused.fetch_add(1, std::memory_order_relaxed);
-      say(wire::EventKind::ConfigRejected, model.error().message + "; the configuration stays as it is");
-      return tl::unexpected(model.error());
-    }
+    auto model = model_of(*read);
+    if (!model) return tl::unexpected(model.error());
     forest = std::move(*model);
   }
   let_go();

@@ -18,8 +18,6 @@ namespace armature {
 
 namespace wire = navproto;
 
-[[nodiscard]] Expected<std::shared_ptr<const Forest>> load_model(const Config& config);
-
 struct Daemon::State {
   State(DaemonOptions all, std::shared_ptr<const Forest> model, std::unique_ptr<DepthSource> source,
         wire::Publisher out, wire::ControlServer server, std::unique_ptr<FeedThread> feed_thread)

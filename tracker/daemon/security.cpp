@@ -7,21 +7,22 @@
 namespace armature {
 
 Expected<std::optional<navproto::CurveServer>> door_of(const Config& config) {
+  if (const auto sockets = navproto::endpoints_of(config.endpoint); !sockets)
+    return refuse(config, "publish.endpoint", config.endpoint, sockets.error().message);
   if (!config.endpoint.starts_with("tcp:")) return std::nullopt;
   if (config.keys.empty() && config.allow.empty()) {
     if (config.insecure) return std::nullopt;
-    return fail(
-        "publish.endpoint = " + config.endpoint +
-        ": everybody on the network could listen; set publish.keys and publish.allow (`armature keys --help`), or "
-        "publish.insecure = true");
+    return refuse(config, "publish.endpoint", config.endpoint,
+                  "everybody on the network could listen; set publish.keys and publish.allow (`armature keys --help`), "
+                  "or publish.insecure = true");
   }
-  if (config.keys.empty() || config.allow.empty()) {
-    return fail("publish.keys and publish.allow: expected both, or neither with publish.insecure = true");
-  }
+  constexpr std::string_view kBoth = "expected publish.keys and publish.allow, or neither with publish.insecure = true";
+  if (config.allow.empty()) return refuse(config, "publish.keys", config.keys, kBoth);
+  if (config.keys.empty()) return refuse(config, "publish.allow", config.allow, kBoth);
   auto keys = navproto::read_key_pair(config.keys);
-  if (!keys) return fail(keys.error().message);
+  if (!keys) return refuse(config, "publish.keys", config.keys, keys.error().message);
   auto allow = navproto::read_allow_list(config.allow);
-  if (!allow) return fail(allow.error().message);
+  if (!allow) return refuse(config, "publish.allow", config.allow, allow.error().message);
   return navproto::CurveServer{std::move(*keys), std::move(*allow)};
 }
 
@@ -29,8 +30,10 @@ Expected<std::string> control_endpoint(const Config& config) {
   if (config.control.empty()) {
     return config.endpoint.starts_with("ipc:") ? config.endpoint : std::string(navproto::kDefaultEndpoint);
   }
+  const auto sockets = navproto::endpoints_of(config.control);
+  if (!sockets) return refuse(config, "control.endpoint", config.control, sockets.error().message);
   if (config.control.starts_with("ipc:")) return config.control;
-  return fail("control.endpoint = " + config.control + ": expected ipc:///PATH, a socket of this machine");
+  return refuse(config, "control.endpoint", config.control, "expected ipc:///PATH, a socket of this machine");
 }
 
 Expected<std::vector<std::uint32_t>> control_uids(const Config& config) {
@@ -41,7 +44,7 @@ Expected<std::vector<std::uint32_t>> control_uids(const Config& config) {
     rest.remove_prefix(blank);
     std::uint32_t uid = 0;
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), uid);
-    if (error != std::errc()) return fail("control.uids = \"" + config.control_uids + "\": expected numbers of users");
+    if (error != std::errc()) return refuse(config, "control.uids", config.control_uids, "expected numbers of users");
     uids.push_back(uid);
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
   }

@@ -32,6 +32,10 @@ class DaemonTest : public testing::Test {
     options.config.endpoint = endpoint_;
     options.config.lossless = lossless;
     options.config.tracker.rest.mode = RestMode::Auto;
+    options.override_config = [source, endpoint = endpoint_](Config& config) {
+      config.source = source;
+      config.endpoint = endpoint;
+    };
     return options;
   }
   test::TemporaryDirectory directory_;

@@ -109,6 +109,76 @@ TEST_F(DaemonTest, AnswersStatusSetsWhatItIsAskedToAndRefusesWhatCannotBe) {
   thread.join();
 }
 
+TEST_F(DaemonTest, ReloadsNothingThatItCouldNotStartWithAndNamesFileLineAndKey) {
+  const auto file = directory_.path() / "kiosk.toml";
+  const std::string source = "[source]\nuri = 'synth:stand?size=160x120'\n";
+  const std::string publish = "[publish]\nendpoint = '" + endpoint_ + "'\n";
+  std::ofstream(file) << source << publish;
+  auto config = load_config(file);
+  ASSERT_TRUE(config) << config.error().message;
+  auto daemon = Daemon::create({.config = std::move(*config), .config_file = file});
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  std::stop_source stop;
+  std::thread thread([&] { (void)(*daemon)->run(stop.get_token()); });
+  auto client = navproto::ControlClient::connect(endpoint_);
+  ASSERT_TRUE(client);
+  const auto reload = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    const auto reply = client->request({.kind = navproto::RequestKind::Reload}, 5s);
+    return reply ? reply->error : reply.error().message;
+  };
+  const struct {
+    std::string text, place;
+  } wrongs[] = {
+      {"[source]\nuri = 'kinect:0'\n" + publish, ":2: source.uri = kinect:0: expected oni:FILE"},
+      {"[source]\nuri = 'oni:no/such.oni'\n" + publish, ":2: source.uri = oni:no/such.oni: "},
+      {source + "[publish]\nendpoint = 'bogus'\n", ":4: publish.endpoint = bogus: expected ipc://PATH or tcp"},
+      {source + "[publish]\nendpoint = 'tcp://127.0.0.1:24712'\n",
+       ":4: publish.endpoint = tcp://127.0.0.1:24712: every"},
+      {source + "[publish]\nendpoint = 'tcp://127.0.0.1:24712'\nkeys = 'no/such.key'\nallow = 'no/such'\n",
+       ":5: publish.keys = no/such.key: no such file"},
+      {source + publish + "[control]\nendpoint = 'ipc:'\n", ":6: control.endpoint = ipc:: expected ipc://PATH"},
+      {source + publish + "[control]\nuids = 'me'\n", ":6: control.uids = me: expected numbers"},
+      {source + publish + "[skeleton]\nmodel = 'no/such.forest'\n", ":6: skeleton.model = no/such.forest: "},
+      {publish, "no source"},
+  };
+  for (const auto& wrong : wrongs) {
+    const std::string why = reload(wrong.text);
+    const std::string expected = (wrong.place.starts_with(':') ? file.string() : "") + wrong.place;
+    EXPECT_EQ(why.substr(0, expected.size()), expected);
+    auto again = load_config(file);
+    ASSERT_TRUE(again) << again.error().message;
+    const auto started = Daemon::create({.config = std::move(*again), .config_file = file});
+    ASSERT_FALSE(started) << wrong.place;
+    EXPECT_EQ(started.error().message, why) << "as at the start";
+  }
+  EXPECT_EQ((*daemon)->metrics().reloads_refused.load(), std::size(wrongs));
+  EXPECT_EQ(reload(source + publish + "[navigation]\nwalk = 'step'\n"), "");
+  EXPECT_EQ((*daemon)->metrics().reloads.load(), 1U);
+  stop.request_stop();
+  thread.join();
+}
+
+TEST_F(DaemonTest, SaysThatItHasNoFileToReload) {
+  auto daemon = Daemon::create(options_for("synth:stand?size=160x120"));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  navproto::NavSubscriber nav(endpoint_);
+  std::stop_source stop;
+  std::thread thread([&] { (void)(*daemon)->run(stop.get_token()); });
+  (*daemon)->request_reload();
+  std::string said;
+  EXPECT_TRUE(eventually([&] {
+    (void)nav.wait(20ms);
+    for (const auto& event : nav.take_events()) {
+      if (event.kind == navproto::EventKind::ConfigRejected) said = event.text;
+    }
+    return !said.empty();
+  }));
+  EXPECT_NE(said.find("started without --config"), std::string::npos) << said;
+  stop.request_stop();
+  thread.join();
+}
+
 TEST_F(DaemonTest, FeedsDepthAndMaskToWhoAsksForThem) {
   auto daemon = Daemon::create(options_for("synth:stand?size=160x120"));
   ASSERT_TRUE(daemon) << daemon.error().message;

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -43,6 +44,82 @@ class Notify(unittest.TestCase):
             while heard == "WATCHDOG=1" or heard.startswith("STATUS="):
                 heard = listener.recv(4096).decode()
             self.assertIn("STOPPING=1", heard)
+
+
+class Program:
+    """armatured with a synthetic person, its log in a pipe of which it is told that it is the journal's, or not."""
+
+    def __init__(self, folder, *words, endpoint=None, journal=False):
+        self.endpoint = endpoint or f"ipc://{folder}/nav"
+        self.reader, writer = os.pipe()
+        pipe = os.fstat(writer)
+        environment = dict(os.environ, JOURNAL_STREAM=f"{pipe.st_dev}:{pipe.st_ino if journal else pipe.st_ino + 1}")
+        self.process = subprocess.Popen([BUILD / "bin" / "armatured", "--source", "synth:stand?size=160x120", "--endpoint",
+                                         self.endpoint, *words], stderr=writer, env=environment)
+        os.close(writer)
+
+    def read_until(self, word):
+        """Up to the line with that word, or to the end."""
+        lines = ""
+        while not re.search(f"{word}.*\n", lines):
+            some = os.read(self.reader, 65536).decode()
+            if not some:
+                break
+            lines += some
+        return lines
+
+    def ask(self, *words):
+        return subprocess.run([BUILD / "bin" / "armature", "status", self.endpoint, *words], capture_output=True,
+                              timeout=60).returncode
+
+    def end(self):
+        self.process.terminate()
+        return self.process.wait(timeout=20)
+
+
+class Log(unittest.TestCase):
+    def test_has_the_journals_priorities_and_no_clock_there_and_a_clock_elsewhere(self):
+        for journal, info, warning in ((True, r"<6>started: ", r"<4>config_rejected: "),
+                                       (False, r"\d\d:\d\d:\d\d\.\d{3} armatured: started: ",
+                                        r"\d\d:\d\d:\d\d\.\d{3} armatured: config_rejected: ")):
+            with tempfile.TemporaryDirectory() as folder:
+                program = Program(folder, journal=journal)
+                lines = program.read_until("started")
+                program.process.send_signal(signal.SIGHUP)  # without a file to read
+                lines += program.read_until("config_rejected")
+                self.assertEqual(program.end(), 0)
+                self.assertRegex(lines, f"(?m)^{info}armatured ")
+                self.assertRegex(lines, f"(?m)^{warning}started without --config")
+                os.close(program.reader)
+
+    def test_says_why_it_does_not_start_with_a_priority_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for journal, begin in ((True, "<3>--endpoint: publish.endpoint = bogus: expected "),
+                                   (False, "armatured: --endpoint: publish.endpoint = bogus: expected ")):
+                program = Program(folder, endpoint="bogus", journal=journal)
+                self.assertEqual(program.read_until("expected")[:len(begin)], begin)
+                self.assertEqual(program.process.wait(timeout=20), 1)
+                os.close(program.reader)
+
+    def test_says_even_if_quiet_that_anybody_may_listen(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text(f"[publish]\ninsecure = true\n[control]\nendpoint = 'ipc://{folder}/nav'\n")
+            program = Program(folder, "--quiet", "--config", config, endpoint="tcp://127.0.0.1:24720", journal=True)
+            self.assertIn("<3>tcp://127.0.0.1:24720 is insecure", program.read_until("insecure"))
+            self.assertEqual(program.end(), 0)
+            self.assertEqual(program.read_until("nothing else"), "")
+            os.close(program.reader)
+
+    def test_may_lose_its_reader_while_the_daemon_goes_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = Program(folder)
+            program.read_until("started")
+            os.close(program.reader)
+            for _ in range(3):
+                program.process.send_signal(signal.SIGHUP)  # each of which it would say something about
+                self.assertEqual(program.ask(), 0)
+            self.assertEqual(program.end(), 0)
 
 
 class Unit(unittest.TestCase):
