@@ -3,7 +3,9 @@
 import json
 import os
 import resource
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -67,8 +69,92 @@ class Doctor(unittest.TestCase):
             found = run("doctor", "--config", config, "--json")
             findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
             self.assertEqual(findings["source"]["kind"], "problem")
+            self.assertNotIn("config", findings, "it is not in order")
             self.assertIn("control.uids", findings["control"]["found"])
             self.assertIn("id -u", findings["control"]["remedy"])
+
+    def test_names_file_line_and_key_of_what_a_daemon_would_refuse(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            for text, what, begin in (
+                    ("[source]\nuri = 'kinect:0'\n", "source", ":2: source.uri = kinect:0: expected "),
+                    ("[source]\nuri = 'synth:nobody'\n", "source", ":2: source.uri = synth:nobody: "),
+                    ("[publish]\nendpoint = 'bogus'\n", "endpoint", ":2: publish.endpoint = bogus: expected "),
+                    ("[publish]\nendpoint = 'tcp://127.0.0.1:24730'\nkeys = 'none'\nallow = 'none'\n", "endpoint",
+                     ":3: publish.keys = none: no such file"),
+                    ("[skeleton]\nmodel = 'none'\n", "model", ":2: skeleton.model = none: ")):
+                config.write_text(text)
+                started = subprocess.run([ARMATURED, "--config", config] + (["--source", "synth:stand"] if what != "source"
+                                                                            else []),
+                                         capture_output=True, text=True, timeout=60)
+                self.assertEqual(started.returncode, 1)
+                self.assertIn(f"armatured: {config}{begin}", started.stderr)
+                found = run("doctor", "--config", config, "--json")
+                findings = [json.loads(line) for line in found.stdout.splitlines()]
+                self.assertIn(f"{config}{begin}", "".join(f["found"] for f in findings if f["what"] == what))
+                self.assertNotIn("in order", "".join(f["found"] for f in findings if f["what"] == "config"))
+
+    def test_finds_that_a_port_is_taken_unless_it_is_the_daemons(self):
+        with tempfile.TemporaryDirectory() as folder:
+            config = Path(folder, "kiosk.toml")
+            config.write_text("[source]\nuri = 'synth:stand?size=160x120'\n"
+                              "[publish]\nendpoint = 'tcp://127.0.0.1:24740'\ninsecure = true\n"
+                              f"[control]\nendpoint = 'ipc://{folder}/nav'\n")
+
+            def endpoint():
+                found = run("doctor", "--config", config, "--json")
+                return [f for f in map(json.loads, found.stdout.splitlines())
+                        if f["what"] == "endpoint" and f["kind"] != "note"]
+
+            self.assertEqual([f["found"] for f in endpoint()], ["tcp://127.0.0.1:24740 can be had"])
+            for port in (24740, 24743):
+                with socket.create_server(("127.0.0.1", port)):
+                    taken = endpoint()
+                self.assertEqual([f["kind"] for f in taken], ["problem"])
+                self.assertIn(f":{port}", taken[0]["found"])
+                self.assertIn("ss -ltnp", taken[0]["remedy"])
+            daemon = subprocess.Popen([ARMATURED, "--config", config, "--quiet"], stderr=subprocess.DEVNULL)
+            try:
+                for _ in range(100):
+                    if run("status", f"ipc://{folder}/nav").returncode == 0:
+                        break
+                    time.sleep(0.1)
+                self.assertEqual(endpoint(), [])
+            finally:
+                daemon.terminate()
+                daemon.wait()
+
+    @unittest.skipUnless(os.geteuid() == 0 and shutil.which("unshare"), "needs root, to have a user of the daemon's name")
+    def test_finds_what_the_daemons_user_may_not_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.chmod(folder, 0o755)
+            users, config = Path(folder, "passwd"), Path(folder, "kiosk.toml")
+            users.write_text("root:x:0:0::/root:/bin/sh\narmature:x:4711:4711::/:/bin/false\n")
+            config.write_text(f"[source]\nuri = 'synth:stand'\n[publish]\nendpoint = 'tcp://127.0.0.1:24750'\n"
+                              f"keys = '{folder}/kiosk.key'\nallow = '{folder}/allow'\n"
+                              f"[control]\nendpoint = 'ipc://{folder}/nav'\n")
+            public = json.loads(run("keys", "new", f"{folder}/kiosk.key", "--json").stdout)["public"]
+            run("keys", "allow", f"{folder}/allow", "--", public, "wall")
+            within = ["unshare", "--mount", "sh", "-c", 'mount --bind "$0" /etc/passwd && exec "$@"', users]
+            if subprocess.run([*within, "true"], capture_output=True).returncode != 0:
+                self.skipTest("no mount of its own can be had here")
+
+            def unreadable():
+                found = subprocess.run([*within, ARMATURE, "doctor", "--config", config, "--json"], capture_output=True,
+                                       text=True, timeout=60)
+                return [Path(f["found"].split(" cannot be read")[0]).name for f in map(json.loads, found.stdout.splitlines())
+                        if "cannot be read by the user armature" in f["found"]]
+
+            config.chmod(0o640)
+            os.chown(config, 4711, 4711)
+            self.assertEqual(unreadable(), ["kiosk.key", "allow"])
+            for name in ("kiosk.key", "allow"):
+                os.chown(f"{folder}/{name}", 0, 4711)
+                os.chmod(f"{folder}/{name}", 0o640)
+            self.assertEqual(unreadable(), [])
+            config.chmod(0o600)
+            os.chown(config, 0, 0)
+            self.assertEqual(unreadable(), ["kiosk.toml"])
 
     def test_asks_the_daemon_that_has_endpoint_and_port(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -107,7 +193,7 @@ class Doctor(unittest.TestCase):
             findings = {f["what"]: f for f in map(json.loads, found.stdout.splitlines())}
             self.assertEqual(findings["background"]["kind"], "ok", findings)
             self.assertEqual(picture.read_bytes()[:17], b"P5\n320 240\n65535\n"[:17])
-            config.write_text(f"[segmentation]\nbackground = '{picture}'\n")
+            config.write_text(f"[segmentation]\nbackground = '{picture}'\n[source]\nuri = 'synth:walk_in'\n")
             found = run("doctor", "--config", config, "--json")
             self.assertIn(f"{config} is in order", found.stdout)
             picture.write_bytes(picture.read_bytes()[:-1])

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "firmware_host/control/video_nodes.h"
 #include "tests/firmware_host/emulated_usb.h"
@@ -23,12 +24,12 @@ namespace {
 
 using Lines = std::vector<nlohmann::json>;
 
-/// What `armature WORDS --json` prints, a line an object.
-Lines armature(const std::string& words) {
+/// What `armature WORDS --json` prints, a line an object. `as`: words before it.
+Lines armature(const std::string& words, const std::string& as = "") {
   struct Close {
     void operator()(std::FILE* pipe) const noexcept { ::pclose(pipe); }
   };
-  const std::string command = ARMATURE_BINARY_DIR "/bin/armature " + words + " --json 2>/dev/null";
+  const std::string command = as + " " ARMATURE_BINARY_DIR "/bin/armature " + words + " --json 2>/dev/null";
   const std::unique_ptr<std::FILE, Close> pipe(::popen(command.c_str(), "r"));
   EXPECT_TRUE(pipe) << command;
   if (!pipe) return {};
@@ -54,6 +55,10 @@ std::string said(const Lines& findings, const std::string& kind, const std::stri
   return "";
 }
 
+/// What is said to whom only her own programs are shown.
+constexpr std::string_view kNobodySeen =
+    ": no program of yours holds it; as root (`sudo armature doctor`) all can be seen";
+
 class DoctorTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -75,9 +80,58 @@ TEST_F(DoctorTest, FindsNothingWrongWithAKinectThatIsFree) {
   EXPECT_EQ(devices.front().at("uri"), "freenect:0");
   EXPECT_EQ(devices.front().at("serial"), "A00362912345678A");
   const Lines findings = armature("doctor");
-  EXPECT_EQ(said(findings, "ok", "sensor", "Kinect v1"), "Kinect v1 on port 1-1 is free");
+  const bool root = ::geteuid() == 0;
+  EXPECT_EQ(said(findings, root ? "ok" : "note", "sensor", "Kinect v1"),
+            "Kinect v1 on port 1-1" + (root ? " is free" : std::string(kNobodySeen)));
   for (const char* what : {"usb", "permission", "bandwidth", "power", "sensor"})
     EXPECT_EQ(said(findings, "problem", what, ""), "");
+}
+
+/// Words to be somebody by who is not root. She may look into the emulated /dev, but open its USB nodes only if said
+/// so.
+std::string as_nobody(UMockdevTestbed* testbed, bool may_open = false) {
+  namespace fs = std::filesystem;
+  const std::unique_ptr<char, decltype(&g_free)> root(umockdev_testbed_get_root_dir(testbed), &g_free);
+  const auto let_in = [](const fs::path& path) { fs::permissions(path, fs::perms(0777), fs::perm_options::add); };
+  let_in(root.get());
+  for (const auto& entry : fs::recursive_directory_iterator(root.get())) {
+    if (!entry.is_symlink()) let_in(entry.path());
+  }
+  for (const auto& node : fs::recursive_directory_iterator(fs::path(root.get()) / "dev/bus/usb")) {
+    if (!node.is_directory() && !may_open) fs::permissions(node.path(), fs::perms(0077), fs::perm_options::remove);
+  }
+  return "setpriv --reuid 65534 --regid 65534 --clear-groups";
+}
+
+TEST_F(DoctorTest, SaysOfOtherUsersProgramsOnlyWhatItSees) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to become somebody else";
+  kinect_.plug_in();
+  EXPECT_NE(said(armature("doctor", as_nobody(bus_.testbed())), "problem", "permission", "Kinect v1"), "");
+  const Lines findings = armature("doctor", as_nobody(bus_.testbed(), true));
+  EXPECT_EQ(said(findings, "note", "sensor", "Kinect v1"), "Kinect v1 on port 1-1" + std::string(kNobodySeen));
+  EXPECT_EQ(said(findings, "ok", "sensor", ""), "");
+}
+
+TEST_F(DoctorTest, ARealSenseNeedsItsVideoNodeOnly) {
+  // A D435: as much of its descriptors as it is known by.
+  GError* error = nullptr;
+  ASSERT_TRUE(umockdev_testbed_add_from_string(bus_.testbed(),
+                                               "P: /devices/usb1/1-2\nN: bus/usb/001/002\nE: SUBSYSTEM=usb\n"
+                                               "E: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=002\n"
+                                               "E: DEVNAME=/dev/bus/usb/001/002\nE: DEVTYPE=usb_device\n"
+                                               "A: bConfigurationValue=1\\n\nA: busnum=1\\n\nA: devnum=2\\n\n"
+                                               "A: speed=5000\\n\n"
+                                               "H: descriptors=12010002000000408680070b010201030001"
+                                               "09021200010100c0320904000000ffffff00\n",
+                                               &error))
+      << error->message;
+  const std::string nobody = ::geteuid() == 0 ? as_nobody(bus_.testbed()) : "";
+  const Lines devices = armature("devices", nobody);
+  ASSERT_EQ(devices.size(), 1U);
+  EXPECT_EQ(devices.front().at("problem"), "");
+  const Lines findings = armature("doctor", nobody);
+  EXPECT_EQ(said(findings, "problem", "permission", ""), "");
+  EXPECT_EQ(said(findings, "problem", "sensor", ""), "Intel RealSense D435 on port 1-2 has no node in /dev/video*");
 }
 
 TEST_F(DoctorTest, SaysThatThePortIsTooSlow) {

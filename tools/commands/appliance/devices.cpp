@@ -21,7 +21,9 @@ Expected<std::vector<Row>> plugged_in() {
   if (!sensors) return tl::unexpected(sensors.error());
   std::vector<Row> rows;
   for (const UsbSensor& sensor : *sensors) {
-    rows.push_back({sensor.name, sensor.serial, sensor.uri, "usb " + sensor.port, sensor.problem});
+    // What a kernel driver serves is opened by its video node, whoever may open it over USB.
+    const std::string problem = sensor.uri.empty() ? "" : sensor.problem;
+    rows.push_back({sensor.name, sensor.serial, sensor.uri, "usb " + sensor.port, problem});
   }
   for (const VideoNode& node : list_depth_nodes()) {
     rows.push_back({node.name.empty() ? "video device" : node.name + " " + node.format, "", "v4l2:" + node.path,

@@ -5,6 +5,8 @@
 
 #include <armature/navproto/control.h>
 #include <armature/navproto/endpoints.h>
+#include <armature/navproto/feed.h>
+#include <armature/navproto/publisher.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -12,16 +14,20 @@
 #include "firmware_host/control/video_nodes.h"
 #include "tools/commands/appliance/appliance.h"
 #include "tools/commands/appliance/findings.h"
+#include "tools/commands/appliance/readable.h"
 #include "tools/commands/appliance/site.h"
 #include "tracker/config.h"
 #include "tracker/daemon/metrics.h"
 #include "tracker/daemon/security.h"
+#include "tracker/daemon/startup.h"
 #include "tracker/installation.h"
 
 namespace armature::tools {
 namespace {
 
 constexpr std::chrono::milliseconds kDaemonAnswers{1000};
+/// As in armatured.service.
+constexpr std::string_view kDaemonUser = "armature";
 
 struct DoctorOptions {
   std::string config;
@@ -35,16 +41,28 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+/// Says who holds a device, as far as this user sees.
+void tell_holders(const std::string& what, const std::string& node, Findings& findings) {
+  if (const auto busy = who_has_open(node); !busy.empty())
+    findings.note("sensor", what + " is open in " + joined(busy));
+  else if (::geteuid() == 0)
+    findings.good("sensor", what + " is free");
+  else
+    findings.note("sensor", what + ": no program of yours holds it; as root (`sudo armature doctor`) all can be seen");
+}
+
 void look_at_sensors(Findings& findings) {
   const auto sensors = list_usb_sensors();
   if (!sensors) return findings.bad("usb", sensors.error().message, "is /dev/bus/usb there?");
+  const auto nodes = list_depth_nodes();
   std::map<int, int> on_bus;
   int kinects = 0;
   for (const UsbSensor& sensor : *sensors) {
     kinects += sensor.uri.starts_with("freenect:") ? 1 : 0;
     ++on_bus[sensor.bus];
     const std::string what = fmt::format("{} on port {}", sensor.name, sensor.port);
-    if (!sensor.problem.empty()) {
+    const bool by_node = sensor.uri.empty();  // a kernel driver serves it
+    if (!by_node && !sensor.problem.empty()) {
       findings.bad(
           "permission", what + ": " + sensor.problem,
           "join the group 'armature' of the package's udev rules, or without the package: copy "
@@ -55,12 +73,10 @@ void look_at_sensors(Findings& findings) {
       findings.bad("bandwidth", fmt::format("{}: {} Mbit/s", what, sensor.speed_mbit),
                    "it needs USB 2.0 at high speed: another port, no long cable, no USB 1.1 hub");
     }
-    const auto busy = who_has_open(fmt::format("/dev/bus/usb/{:03}/{:03}", sensor.bus, sensor.address));
-    if (busy.empty()) {
-      findings.good("sensor", what + " is free");
-    } else {
-      findings.note("sensor", what + " is open in " + joined(busy));
-    }
+    if (!by_node)
+      tell_holders(what, fmt::format("/dev/bus/usb/{:03}/{:03}", sensor.bus, sensor.address), findings);
+    else if (nodes.empty())
+      findings.bad("sensor", what + " has no node in /dev/video*", "`sudo modprobe uvcvideo`, which serves it");
   }
   for (const auto& [bus, count] : on_bus) {
     if (count > 1)
@@ -70,15 +86,12 @@ void look_at_sensors(Findings& findings) {
   if (kinects == 0 && KinectMotor::open("0"))
     findings.bad("power", "the motor of a Kinect is there and its camera is not",
                  "plug in the Kinect's own power supply: USB alone feeds the motor board only");
-  const auto nodes = list_depth_nodes();
   for (const VideoNode& node : nodes) {
     if (!node.problem.empty()) {
       findings.bad("permission", node.path + ": " + node.problem, "join the group 'video', or install the udev rules");
       continue;
     }
-    const auto busy = who_has_open(node.path);
-    findings.good("sensor", fmt::format("{} ({} {}){}", node.path, node.name, node.format,
-                                        busy.empty() ? " is free" : " is open in " + joined(busy)));
+    tell_holders(fmt::format("{} ({} {})", node.path, node.name, node.format), node.path, findings);
   }
   if (sensors->empty() && nodes.empty())
     findings.bad("sensor", "no depth sensor is plugged in",
@@ -108,6 +121,37 @@ void look_at_daemon(const navproto::HealthMessage& daemon, const DoctorOptions& 
     findings.note("daemon", "it holds the sensor that --site asks for: `systemctl stop armatured` first");
 }
 
+/// What to do about what the daemon refuses.
+const char* remedy(std::string_view refused) {
+  if (refused == "source") return "`armature devices` lists what is plugged in, with its URI";
+  if (refused == "endpoint") return "see publish in `armatured --print-config`";
+  return "see control in `armatured --print-config`; `id -u USER` tells a user's number";
+}
+
+/// Whether a tcp endpoint can be had, with all its ports.
+void look_at_ports(const std::string& endpoint, const std::optional<navproto::CurveServer>& door, Findings& findings) {
+  const auto publisher = navproto::Publisher::bind(endpoint, {.curve = door});
+  const auto feed = navproto::FeedPublisher::bind(endpoint, {.curve = door});
+  if (publisher && feed) return findings.good("endpoint", endpoint + " can be had");
+  findings.bad(
+      "endpoint", publisher ? feed.error().message : publisher.error().message,
+      "another program has the port or one of the three that follow (`ss -ltnp` tells which), or the address is "
+      "none of this machine's (`ip address`)");
+}
+
+/// Whether the installed daemon, another user, may read what root sees.
+void look_at_files(const DoctorOptions& options, const Config& config, Findings& findings) {
+  std::vector<std::string> files;
+  for (const std::string& file : {options.config, config.background, config.model, config.keys, config.allow}) {
+    if (!file.empty()) files.push_back(file);
+  }
+  for (const std::string& file : unreadable_by(std::string(kDaemonUser), files))
+    findings.bad("permission",
+                 fmt::format("{} cannot be read by the user {}, as whom the service runs", file, kDaemonUser),
+                 "`systemd-tmpfiles --create armature.conf` for what is in /etc/armature; another: "
+                 "`chgrp armature FILE && chmod g+r FILE`, and its folders likewise (g+x)");
+}
+
 void look_at_configuration(const DoctorOptions& options, Findings& findings) {
   const std::string& file = options.config;
   Config config;
@@ -115,27 +159,25 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
     auto read = load_config(file);
     if (!read)
       return findings.bad("config", read.error().message, "mend that line; `armatured --print-config` lists all keys");
-    findings.good("config", file + " is in order");
     config = std::move(*read);
-    if (config.source.empty())
-      findings.bad("source", "source.uri names none", "`armature devices` lists what is plugged in, with its URI");
   }
-  const std::filesystem::path model = config.model.empty() ? installed_model() : std::filesystem::path(config.model);
-  if (const auto forest = Forest::load(model); !forest) {
-    findings.bad("model", forest.error().message, "install the package again, or name another in skeleton.model");
+  const auto refused = refusals(config);
+  for (const Refusal& refusal : refused) {
+    if (!file.empty() || refusal.what != "source")
+      findings.bad(std::string(refusal.what), refusal.why.message, remedy(refusal.what));
+  }
+  const auto model = model_of(config);
+  if (!model) {
+    findings.bad("model", model.error().message, "install the package again, or name another in skeleton.model");
   } else {
-    findings.good("model", model.string() + " is in order");
+    findings.good("model", (config.model.empty() ? installed_model().string() : config.model) + " is in order");
   }
-  if (const auto door = door_of(config); !door) {
-    findings.bad("endpoint", door.error().message, "see publish in `armatured --print-config`");
-  } else if (config.endpoint.starts_with("tcp:") && !*door) {
-    findings.note("endpoint", config.endpoint + " is insecure, as configured");
-  }
-  const auto control = control_endpoint(config);
-  if (!control) findings.bad("control", control.error().message, "see control in `armatured --print-config`");
-  if (const auto uids = control_uids(config); !uids)
-    findings.bad("control", uids.error().message, "`id -u USER` tells a user's number");
-  if (control) {
+  if (!file.empty() && refused.empty() && model) findings.good("config", file + " is in order");
+  look_at_files(options, config, findings);
+  const auto door = door_of(config);
+  const bool tcp = config.endpoint.starts_with("tcp:");
+  if (tcp && door && !*door) findings.note("endpoint", config.endpoint + " is insecure, as configured");
+  if (const auto control = control_endpoint(config)) {
     const auto at = navproto::endpoints_of(*control);
     if (at && !navproto::may_connect(at->control))
       return findings.bad("daemon", at->control + ": permission denied: whether a daemon runs there cannot be told",
@@ -143,6 +185,7 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
     // What the endpoint and the port are for is there already.
     if (const auto daemon = ask_daemon(*control)) return look_at_daemon(*daemon, options, findings);
   }
+  if (tcp && door) look_at_ports(config.endpoint, *door, findings);
   constexpr std::string_view kIpc = "ipc://";
   if (config.endpoint.starts_with(kIpc)) {
     auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
