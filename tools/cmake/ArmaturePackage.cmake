@@ -19,9 +19,7 @@ set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "systemd, udev, libassimp5, fonts-inter, lib
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   "${PROJECT_SOURCE_DIR}/tools/packaging/postinst"
   "${PROJECT_SOURCE_DIR}/tools/packaging/prerm"
-  "${PROJECT_SOURCE_DIR}/tools/packaging/postrm"
-  "${PROJECT_BINARY_DIR}/conffiles")
-file(WRITE "${PROJECT_BINARY_DIR}/conffiles" "/etc/armature/daemon/armatured.toml\n")
+  "${PROJECT_SOURCE_DIR}/tools/packaging/postrm")
 include(CPack)
 
 set(daemon "${PROJECT_SOURCE_DIR}/tracker/daemon")
@@ -35,9 +33,6 @@ install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG
 execute_process(COMMAND gzip -9nc "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
   OUTPUT_FILE "${PROJECT_BINARY_DIR}/changelog.gz" COMMAND_ERROR_IS_FATAL ANY)
 install(FILES "${PROJECT_BINARY_DIR}/changelog.gz" DESTINATION share/doc/armature)
-# dpkg keeps what the site has changed. An installation by hand has it under its prefix.
+# To start from: postinst copies it to /etc/armature/daemon where there is none. No conffile: the daemon writes its own,
+# and an upgrade would stop at dpkg's question whose version to keep.
 install(FILES "${daemon}/armatured.toml" DESTINATION share/armature)
-install(CODE "
-  if(\"\${CMAKE_INSTALL_PREFIX}\" STREQUAL \"/usr\")
-    file(INSTALL DESTINATION \"/etc/armature/daemon\" TYPE FILE FILES \"${daemon}/armatured.toml\")
-  endif()")
