@@ -28,6 +28,17 @@ Expected<void> write_file(const std::filesystem::path& path, const std::string& 
   return fail(path.string() + ": cannot be written: " + why + "; the old file is as it was");
 }
 
+/// Calls `visit` with each field that changes only with a restart: source, publish, control and health.
+template <class Visit>
+void of_a_restart(Visit visit) {
+  for (const auto field :
+       {&Config::source, &Config::endpoint, &Config::keys, &Config::allow, &Config::control, &Config::control_uids})
+    visit(field);
+  visit(&Config::lossless);
+  visit(&Config::insecure);
+  visit(&Config::metrics_port);
+}
+
 }  // namespace
 
 Expected<void> Daemon::State::reload() {
@@ -56,14 +67,11 @@ Expected<void> Daemon::State::take_config_file() {
   let_go();
   stop_camera(wire::StopReason::Reload);
   std::string note = options.config_file.string() + " is in force; whoever steers stands still for a new rest pose";
-  const auto keep = [&](auto Config::*field) {
-    const bool same = *read.*field == config.*field;
+  bool same = true;
+  of_a_restart([&](auto Config::*field) {
+    same = same && *read.*field == config.*field;
     *read.*field = config.*field;
-    return same;
-  };
-  bool same = keep(&Config::source) & keep(&Config::lossless) & keep(&Config::endpoint) & keep(&Config::keys);
-  same = same & keep(&Config::allow) & keep(&Config::insecure) & keep(&Config::control);
-  same = same & keep(&Config::control_uids) & keep(&Config::metrics_port);
+  });
   if (!same) note += "; source, publish, control and health change only with a restart";
   config = std::move(*read);
   pipeline = std::make_unique<Pipeline>(forest, config.tracker, options.clock);
@@ -76,7 +84,15 @@ Expected<void> Daemon::State::take_config_file() {
 
 Expected<void> Daemon::State::save() const {
   if (options.config_file.empty()) return fail("started without --config: there is no file to save to");
-  return write_file(options.config_file, print_config(config));
+  Config saved = config;
+  // What waits for a restart is as the file has it, whatever the command line said, if one could be started with it.
+  if (const auto file = load_config(options.config_file)) {
+    Config at_restart = *file;
+    options.override_config(at_restart);
+    if (refusals(at_restart, config.source).empty())
+      of_a_restart([&](auto Config::*field) { saved.*field = *file.*field; });
+  }
+  return write_file(options.config_file, print_config(saved));
 }
 
 wire::ControlReply Daemon::State::answer(const wire::ControlRequest& request) {

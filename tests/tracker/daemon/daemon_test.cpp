@@ -159,6 +159,34 @@ TEST_F(DaemonTest, ReloadsNothingThatItCouldNotStartWithAndNamesFileLineAndKey) 
   thread.join();
 }
 
+TEST_F(DaemonTest, SavesWhatWaitsForARestartAsTheFileHasItUnlessItCouldNotStartSo) {
+  const auto file = directory_.path() / "kiosk.toml";
+  const std::string publish = "[publish]\nendpoint = '" + endpoint_ + "'\n";
+  std::ofstream(file) << publish << "[source]\nuri = 'synth:stand?size=160x120'\n";
+  auto config = load_config(file);
+  ASSERT_TRUE(config) << config.error().message;
+  auto daemon = Daemon::create({.config = std::move(*config), .config_file = file});
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  std::stop_source stop;
+  std::thread thread([&] { (void)(*daemon)->run(stop.get_token()); });
+  auto client = navproto::ControlClient::connect(endpoint_);
+  ASSERT_TRUE(client);
+  const auto saved = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    const auto reply = client->request({.kind = navproto::RequestKind::Save}, 5s);
+    EXPECT_TRUE(reply && reply->error.empty());
+    return load_config(file).value_or(Config{});
+  };
+  const Config changed = saved(publish + "[source]\nuri = 'synth:bend_knees'\n[health]\nmetrics_port = 24760\n");
+  EXPECT_EQ(changed.source, "synth:bend_knees");
+  EXPECT_EQ(changed.metrics_port, 24760);
+  const Config mended = saved("[publish]\nendpoint = 'bogus'\n[source]\nuri = 'synth:bend_knees'\n");
+  EXPECT_EQ(mended.endpoint, endpoint_);
+  EXPECT_EQ(mended.source, "synth:stand?size=160x120");
+  stop.request_stop();
+  thread.join();
+}
+
 TEST_F(DaemonTest, SaysThatItHasNoFileToReload) {
   auto daemon = Daemon::create(options_for("synth:stand?size=160x120"));
   ASSERT_TRUE(daemon) << daemon.error().message;
