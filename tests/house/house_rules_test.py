@@ -135,6 +135,7 @@ class HouseRules(unittest.TestCase):
         asked = 'const int k = std::getenv("K") ? 1 : 2;\n'
         self.assert_found("sdk/x.cpp:1: a setting from the environment", planted={"sdk/x.cpp": asked})
         self.assertEqual([], self.found(planted={"tools/x.cpp": asked}))
+        self.assertEqual([], self.found(planted={"sdk/x.cpp": asked.replace("K\"", "JOURNAL_STREAM\"")}))
 
     def test_types_of_one_name_are_found(self):
         one = "namespace a::b {\nstruct Fit {\n};\n}  // namespace a::b\n"
