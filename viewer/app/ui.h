@@ -92,6 +92,13 @@ void draw_log(Ui& ui);
 /// A level's error as people read it: its mean and its largest distance, in percent of the mesh's diagonal.
 [[nodiscard]] std::string error_words(const LevelErrors& errors, const char* between);
 
+/// Where things lie over the city; what there is no room for has no size.
+struct WalkCards {
+  Area mirror, speeds, gauges;
+  Area state;  ///< in words, where the sidebar is away
+};
+[[nodiscard]] WalkCards place_walk_cards(const Ui& ui);
+
 /// Issues the level that the slider came to, as soon as no work holds it up. Call it once a frame, whether the slider
 /// is drawn or not.
 void follow_level(Ui& ui);

@@ -1,11 +1,17 @@
 // What panels issue, without a window.
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <armature/navproto/publisher.h>
+#include <unistd.h>
+
 #include "tests/viewer/app/hands.h"
+#include "viewer/app/theme.h"
 
 namespace armature::viewer {
 namespace {
@@ -94,6 +100,108 @@ TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
     EXPECT_EQ(facts_of(again), facts_of(used)) << lines.back();
   }
   EXPECT_GT(clicked, 100U);
+}
+
+/// A window of so many pixels, as the program lays it out, and a daemon that says what it is told to.
+class Walkers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder);
+    auto bound = navproto::Publisher::bind("ipc://" + (folder / "nav").string());
+    ASSERT_TRUE(bound) << bound.error().message;
+    publisher.emplace(std::move(*bound));
+    ASSERT_TRUE(session.execute("mode walk"));
+    ASSERT_TRUE(session.walk.connect("ipc://" + (folder / "nav").string()));
+  }
+  void TearDown() override {
+    session.walk.disconnect();
+    std::filesystem::remove_all(folder);
+  }
+  void hear(navproto::NavigationMessage message) {
+    for (int i = 0; i < 2000; ++i) {
+      ASSERT_TRUE(publisher->publish_navigation(message));
+      session.update(session.now + std::chrono::milliseconds(1));
+      const auto& heard = session.walk.navigation();
+      if (session.walk.fresh() && heard && heard->engagement == message.engagement) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    FAIL() << "nothing was heard";
+  }
+  /// What is drawn over the city in a view, as corners of triangles.
+  template <class See>
+  void draw(const Area& view, float scale, See see) {
+    ImGuiContext* context = ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::GetIO().DisplaySize = view.end();
+    theme::apply(scale);
+    ImGui::GetIO().Fonts->Build();
+    ImGui::NewFrame();
+    Ui ui{.commanded = session, .scale = scale, .view = view, .depth_aspect = 4.0F / 3};
+    draw_walk_overlay(ui);
+    see(place_walk_cards(ui), ImGui::GetBackgroundDrawList()->VtxBuffer);
+    ImGui::EndFrame();
+    ImGui::DestroyContext(context);
+  }
+
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("armature-panels." + std::to_string(::getpid()));
+  std::optional<navproto::Publisher> publisher;
+  Session session;
+};
+
+struct View {
+  Area area;
+  float scale;
+};
+/// With the sidebar and the status bar, or without.
+const std::vector<View> kViews = {{{{0, 0}, {200, 150}}, 1},     {{{0, 0}, {320, 204}}, 1},   {{{0, 0}, {480, 324}}, 1},
+                                  {{{290, 0}, {510, 564}}, 1},   {{{290, 0}, {990, 764}}, 1}, {{{0, 0}, {200, 150}}, 2},
+                                  {{{580, 0}, {700, 728}}, 2},   {{{0, 0}, {800, 528}}, 2},   {{{0, 0}, {640, 480}}, 2},
+                                  {{{580, 0}, {1980, 1528}}, 2}, {{{0, 0}, {3840, 2088}}, 2}};
+
+TEST_F(Walkers, ReadWhatToDoInAnyWindow) {
+  navproto::NavigationMessage message;
+  message.user_id = 1;
+  message.engagement = navproto::Engagement::CapturingRest;
+  hear(message);
+  for (const auto& [view, scale] : kViews) {
+    draw(view, scale, [&, &view = view, scale = scale](const WalkCards&, const ImVector<ImDrawVert>& corners) {
+      const float middle = view.at.x + view.size.x / 2;
+      std::size_t left = 0, right = 0;
+      for (const ImDrawVert& corner : corners) {
+        const ImVec2& at = corner.pos;
+        EXPECT_TRUE(at.x > view.at.x - 1 && at.x < view.end().x + 1 && at.y > -1 && at.y < view.end().y + 1)
+            << at.x << " " << at.y << " in a view of " << view.size.x << "x" << view.size.y;
+        // Between the two motions nothing is said: neither runs into the other.
+        if (corner.col != theme::kInk || at.y < 0.4F * view.size.y || view.size.x < 200 * scale) continue;
+        (at.x < middle ? left : right) += 1;
+        EXPECT_GT(std::abs(at.x - middle), std::min(0.009F * view.size.x, 4.0F)) << view.size.x << "x" << view.size.y;
+      }
+      EXPECT_TRUE((left > 40 && right > 40) || view.size.x < 200 * scale) << view.size.x << "x" << view.size.y;
+    });
+  }
+}
+
+TEST_F(Walkers, SeeThemselvesAndTheirSpeedInAnyWindowThatHasRoom) {
+  for (const auto& [view, scale] : kViews) {
+    draw(view, scale, [&, &view = view, scale = scale](const WalkCards& cards, const auto&) {
+      const std::string where = fmt::format("{}x{}, scale {}", view.size.x, view.size.y, scale);
+      const std::vector<Area> all = {cards.mirror, cards.speeds, cards.gauges, cards.state};
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (all[i].size.x == 0) continue;
+        EXPECT_TRUE(view.holds(all[i].at) && view.holds({all[i].end().x - 1, all[i].end().y - 1})) << where << i;
+        for (std::size_t j = 0; j < i; ++j) {
+          const bool apart = all[i].end().x <= all[j].at.x || all[j].end().x <= all[i].at.x ||
+                             all[i].end().y <= all[j].at.y || all[j].end().y <= all[i].at.y;
+          EXPECT_TRUE(apart || all[j].size.x == 0) << where << ": " << i << " over " << j;
+        }
+      }
+      EXPECT_EQ(cards.state.size.x > 0, view.at.x == 0) << where << ": the sidebar says it, or the view";
+      EXPECT_EQ(cards.mirror.size.x > 0, view.size.x >= 320 * scale && view.size.y >= 200 * scale) << where;
+      EXPECT_EQ(cards.speeds.size.x > 0, cards.mirror.size.x > 0) << where;
+      EXPECT_TRUE(cards.gauges.size.x > 0 || view.size.x < 350 * scale || view.size.y < 360 * scale) << where;
+    });
+  }
 }
 
 }  // namespace

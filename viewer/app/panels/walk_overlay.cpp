@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -76,7 +78,7 @@ void draw_mirror(Ui& ui, ImDrawList& draw, const Area& area) {
     draw.AddLine(at(from), at(to),
                  state == JointState::Observed ? IM_COL32(255, 255, 255, 235) : IM_COL32(255, 255, 255, 110), ui.px(2));
   }
-  draw.AddCircle(at(JointId::Head), ui.px(7), IM_COL32(255, 255, 255, 235), 20, ui.px(2));
+  draw.AddCircle(at(JointId::Head), 0.03F * inside.size.x, IM_COL32(255, 255, 255, 235), 20, ui.px(2));
   draw.PopClipRect();
 }
 
@@ -140,56 +142,136 @@ void draw_speeds(Ui& ui, ImDrawList& draw, const Area& area) {
   }
 }
 
-/// Figure 3.9: the two motions, while the person stands still.
-void draw_initialisation(Ui& ui, ImDrawList& draw) {
+/// A text in lines that are no wider than `room`, words whole where they fit.
+std::vector<std::string_view> wrapped(const ImFont& font, std::string_view text, float room) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const char* const stop = font.CalcWordWrapPositionA(1, text.data(), text.data() + text.size(), room);
+    const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(stop - text.data()));
+    lines.push_back(text.substr(0, length));
+    text.remove_prefix(length);
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  }
+  return lines;
+}
+
+/// Lines about a middle, from a height on; where they end.
+float draw_centred(ImDrawList& draw, ImFont* font, float x, float y, ImU32 colour,
+                   const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines) {
+    const char *const begin = line.data(), *const end = begin + line.size();
+    const float width = font->CalcTextSizeA(font->FontSize, 1e9F, 0, begin, end).x;
+    draw.AddText(font, font->FontSize, {x - width / 2, y}, colour, begin, end);
+    y += font->FontSize;
+  }
+  return y;
+}
+
+float height_of(const ImFont& font, const std::vector<std::string_view>& lines) {
+  return font.FontSize * static_cast<float>(lines.size());
+}
+
+/// Figure 3.9: the two motions, while the person stands still. In a small view what is said comes first. Where it lies,
+/// in what there is room for; of no size where nothing is to be said.
+Area draw_initialisation(Ui& ui, ImDrawList& draw, const WalkCards& cards) {
   const auto& navigation = ui.session.walk.navigation();
-  if (!navigation || !ui.session.walk.fresh()) return;
+  if (!navigation || !ui.session.walk.fresh()) return {};
   const bool capturing = navigation->engagement == navproto::Engagement::CapturingRest;
-  if (!capturing && navigation->engagement != navproto::Engagement::Detected) return;
+  if (!capturing && navigation->engagement != navproto::Engagement::Detected) return {};
   const Area& view = ui.view;
   const float width = std::min(ui.px(560), 0.94F * view.size.x), height = std::min(ui.px(310), 0.94F * view.size.y);
-  const Area card{{view.at.x + (view.size.x - width) / 2, view.at.y + 0.45F * (view.size.y - height)}, {width, height}};
+  // Below the mirror, if it can be.
+  const float top = std::max(0.45F * (view.size.y - height),
+                             std::min(cards.mirror.end().y - view.at.y + ui.px(8), 0.97F * view.size.y - height));
+  const Area card{{view.at.x + (view.size.x - width) / 2, view.at.y + top}, {width, height}};
   draw_card(draw, card, ui.px(14));
-  const auto centred = [&](ImFont* font, float x, float y, ImU32 colour, const char* text) {
-    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e9F, 0, text);
-    draw.AddText(font, font->FontSize, {x - size.x / 2, y}, colour, text);
-  };
+  const float pad = std::min(ui.px(18), 0.06F * height), gap = std::min(ui.px(8), pad);
   const float middle = card.at.x + width / 2;
-  centred(theme::large(), middle, card.at.y + ui.px(18), theme::kInk,
-          capturing ? "Stand still for a moment" : "Stand in front of the sensor");
-  const double seconds = std::chrono::duration<double>(ui.session.now).count();
-  const auto phase = static_cast<float>(std::sin(2.2 * seconds));
+  const char* const title = capturing ? "Stand still for a moment" : "Stand in front of the sensor";
+  ImFont* const plain = ImGui::GetFont();
+  const bool wide = theme::large()->CalcTextSizeA(theme::large()->FontSize, 1e9F, 0, title).x < width - 2 * pad;
+  ImFont* const font = wide && height > ui.px(200) ? theme::large() : theme::heading();
+  const auto said = wrapped(*font, title, width - pad);
   struct Role {
     MotionId motion;
     const char* what;
     float x;
+    std::vector<std::string_view> advice;
   };
-  for (const Role& role :
-       {Role{navigation->turn_motion, "to turn", -0.25F}, Role{navigation->walk_motion, "to walk", 0.25F}}) {
-    const float x = middle + role.x * width;
-    draw_motion_figure(draw, {x, card.at.y + 0.5F * height}, 0.42F * height, role.motion, phase, theme::kInk,
-                       theme::kAccent);
-    centred(theme::heading(), x, card.end().y - ui.px(58), theme::kInk, motion_advice(role.motion));
-    centred(ImGui::GetFont(), x, card.end().y - ui.px(36), theme::kDim, role.what);
+  std::array<Role, 2> roles = {Role{navigation->turn_motion, "to turn", middle - 0.25F * width, {}},
+                               Role{navigation->walk_motion, "to walk", middle + 0.25F * width, {}}};
+  float advised = 0;
+  for (Role& role : roles) {
+    role.advice = wrapped(*theme::heading(), motion_advice(role.motion), 0.46F * width);
+    advised = std::max(advised, height_of(*theme::heading(), role.advice));
   }
+  const float told = height_of(*font, said), below = advised + gap / 2 + plain->FontSize + pad;
+  const float free = height - pad - told - 2 * gap - below;
+  if (free < -gap) {  // no room but for that
+    draw_centred(draw, font, middle, card.at.y + std::max(0.F, (height - told) / 2), theme::kInk, said);
+    return card;
+  }
+  const float from = draw_centred(draw, font, middle, card.at.y + pad, theme::kInk, said) + gap;
+  const double seconds = std::chrono::duration<double>(ui.session.now).count();
+  const auto phase = static_cast<float>(std::sin(2.2 * seconds));
+  for (const Role& role : roles) {
+    const float size = std::min(0.42F * height, free);
+    if (size > ui.px(20))
+      draw_motion_figure(draw, {role.x, from + free / 2}, size, role.motion, phase, theme::kInk, theme::kAccent);
+    const float end =
+        draw_centred(draw, theme::heading(), role.x, card.end().y - below, theme::kInk, role.advice) + gap / 2;
+    draw_centred(draw, plain, role.x, end, theme::kDim, {role.what});
+  }
+  return card;
+}
+
+bool overlap(const Area& a, const Area& b) {
+  return a.at.x < b.end().x && b.at.x < a.end().x && a.at.y < b.end().y && b.at.y < a.end().y;
 }
 
 }  // namespace
 
+WalkCards place_walk_cards(const Ui& ui) {
+  const Walk& walk = ui.session.walk;
+  const float gap = std::min(ui.px(14), 0.04F * ui.view.size.x);
+  Area room{{ui.view.at.x + gap, ui.view.at.y + gap}, {ui.view.size.x - 2 * gap, ui.view.size.y - 2 * gap}};
+  WalkCards cards;
+  if (ui.view.at.x == 0) {  // the sidebar, which tells it, is away
+    const ImVec2 size = ImGui::CalcTextSize(walk.state_in_words().c_str(), nullptr, false, room.size.x - 2 * gap);
+    const float high = std::min(size.y + gap, room.size.y);
+    cards.state = {{room.at.x, room.end().y - high}, {std::min(size.x + 2 * gap, room.size.x), high}};
+    room.size.y -= high + gap;
+  }
+  if (!walk.connected() || room.size.x < ui.px(290) || room.size.y < ui.px(100)) return cards;
+  const float width = std::min(ui.px(250), std::max(ui.px(100), 0.28F * room.size.x)), high = ui.px(70);
+  cards.mirror = {{room.end().x - width, room.at.y}, {width, width / ui.depth_aspect}};
+  const float below = room.size.y - cards.mirror.size.y - gap, left = room.size.x - width - gap;
+  cards.speeds = {{room.at.x, room.end().y - high}, {std::min(ui.px(230), below < high ? left : room.size.x), high}};
+  // The gauges are beside the speeds, or the speeds beside the mirror. In a small view the city matters most.
+  const float right = room.size.x - cards.speeds.size.x - gap;
+  const bool both = right >= ui.px(230);
+  const ImVec2 gauges(std::min(ui.px(330), both ? right : room.size.x),
+                      std::min(ui.px(176), std::max(ui.px(130), 0.38F * room.size.y)));
+  if (gauges.y > below || room.size.y < ui.px(300) || (!both && left < ui.px(180))) return cards;
+  cards.gauges = {{room.end().x - gauges.x, room.end().y - gauges.y}, gauges};
+  if (!both) cards.speeds = {room.at, {std::min(ui.px(230), left), high}};
+  return cards;
+}
+
 void draw_walk_overlay(Ui& ui) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const Area& view = ui.view;
-  const Walk& walk = ui.session.walk;
-  draw.PushClipRect(view.at, view.end());
-  draw_initialisation(ui, draw);
-  const float gap = ui.px(14);
-  // In a small window the city matters most.
-  if (walk.connected() && view.size.x > ui.px(520) && view.size.y > ui.px(360)) {
-    const float width = std::min(ui.px(250), 0.28F * view.size.x);
-    draw_mirror(ui, draw, {{view.end().x - width - gap, view.at.y + gap}, {width, width / ui.depth_aspect}});
-    draw_gauges(ui, draw,
-                {{view.end().x - ui.px(330) - gap, view.end().y - ui.px(176) - gap}, {ui.px(330), ui.px(176)}});
-    draw_speeds(ui, draw, {{view.at.x + gap, view.end().y - ui.px(70) - gap}, {ui.px(230), ui.px(70)}});
+  const WalkCards cards = place_walk_cards(ui);
+  draw.PushClipRect(ui.view.at, ui.view.end());
+  const Area over = draw_initialisation(ui, draw, cards);
+  const auto is_seen = [&](const Area& card) { return card.size.x > 0 && !overlap(card, over); };
+  if (is_seen(cards.mirror)) draw_mirror(ui, draw, cards.mirror);
+  if (is_seen(cards.gauges)) draw_gauges(ui, draw, cards.gauges);
+  if (is_seen(cards.speeds)) draw_speeds(ui, draw, cards.speeds);
+  if (is_seen(cards.state)) {
+    draw_card(draw, cards.state, ui.px(8));
+    const float pad = std::min(ui.px(14), 0.04F * ui.view.size.x);
+    draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {cards.state.at.x + pad, cards.state.at.y + pad / 2},
+                 theme::kInk, ui.session.walk.state_in_words().c_str(), nullptr, cards.state.size.x - 2 * pad + 1);
   }
   draw.PopClipRect();
 }
