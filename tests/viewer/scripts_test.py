@@ -59,6 +59,10 @@ class Viewer(unittest.TestCase):
         made = run("armature", "mesh", "sample", "creature", "creature.off", "--rounds", 5, folder=cls.models)
         assert made.returncode == 0, made.stderr
         subprocess.run([sys.executable, HERE.parents[1] / "tools/pictures/animal.py", cls.models / "animal.off"], check=True)
+        # A face in each octant: seen from any side, four of them meet in the middle.
+        (cls.models / "octahedron.off").write_text("OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n"
+                                                  "3 0 2 4\n3 1 4 2\n3 1 3 4\n3 0 4 3\n"
+                                                  "3 0 5 2\n3 1 2 5\n3 1 5 3\n3 0 3 5\n")
         (cls.models / "broken.moves").write_text("armature deformation 1\nlevel 8\nmove spheres 0 translate 0 1 0\n"
                                                 "move nothing\n")
         (cls.models / "long.moves").write_text("armature deformation 1\nlevel 20\n" +

@@ -86,9 +86,8 @@ sdk::Expected<std::vector<float>> compute_map(const MeshShape& shape, MapKind ki
 MeshPaint paint_of(const Model& model, MapKind map) {
   const Selecting& selecting = model.selecting;
   MeshPaint paint{.map = map, .selected = selecting.selection.faces(), .drawn = selecting.drawn};
-  if (map != MapKind::None) {
-    paint.values = model.values;
-  } else if (selecting.expansion) {
+  if (map != MapKind::None) paint.values = model.values;
+  if (selecting.expansion) {
     const auto shown = selecting.expansion->first(selecting.shown);
     paint.like.assign(shown.begin(), shown.end());
   }
@@ -114,14 +113,15 @@ std::vector<std::array<sdk::Colour, 3>> corner_colours(const sdk::Mesh& mesh, co
   const auto tint = [&](sdk::FaceId face, const sdk::Colour& colour, double strength) {
     for (sdk::Colour& corner : colours[face.index()]) corner = mixed(corner, colour, strength);
   };
+  // Over a map it is but a tint: both are to be seen.
+  constexpr double kTint = 0.35;
+  const bool plainly = paint.map == MapKind::None;
   // The less alike, the paler: the scores of what is shown spread from faint to full.
   for (const sdk::Match& match : paint.like) {
     const double strength = 0.3 + 0.65 * std::clamp((match.score - 0.5) / 0.5, 0.0, 1.0);
-    for (const sdk::FaceId face : match.faces) tint(face, kLike, strength);
+    for (const sdk::FaceId face : match.faces) tint(face, kLike, plainly ? strength : kTint);
   }
-  // Over a map it is but a tint: both are to be seen.
-  const double strength = paint.map == MapKind::None ? 0.9 : 0.35;
-  for (const sdk::FaceId face : paint.selected) tint(face, kSelected, strength);
+  for (const sdk::FaceId face : paint.selected) tint(face, kSelected, plainly ? 0.9 : kTint);
   for (const sdk::FaceId face : paint.drawn) tint(face, kDrawn, 0.8);
   return colours;
 }

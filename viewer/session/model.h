@@ -85,7 +85,8 @@ struct Selecting {
   Kind kind = Kind::None;                       ///< of the last gesture
   std::vector<sdk::FaceId> reference;           ///< its faces, ascending
   std::optional<sdk::Expansion> expansion;      ///< what is like it, once it was looked for
-  std::size_t shown = 0;                        ///< the best matches that are shown
+  std::size_t shown = 0;                        ///< the best matches that are shown,
+  std::vector<std::size_t> shown_before;        ///< and were before each verdict on them
   std::vector<sdk::FaceId> drawn;               ///< what the gesture that goes on would select; no command knows it
   std::shared_ptr<const sdk::PartModel> parts;  ///< of the cut
   std::shared_ptr<const sdk::PartCut> cut;      ///< whose strokes go on

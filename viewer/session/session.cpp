@@ -255,12 +255,31 @@ sdk::Expected<std::shared_ptr<Model>> Session::active_at_rest() {
 
 void Session::add(std::shared_ptr<Model> model) {
   models.push_back(std::move(model));
-  active_model = models.size() - 1;
-  picked.reset();
   mode = Mode::Shapes;
-  looks.map = MapKind::None;
-  if (models.back()->mesh && !models.back()->spheres && looks.mesh == MeshLook::Off) looks.mesh = MeshLook::Solid;
+  choose(models.size() - 1);
+}
+
+void Session::choose(std::size_t place) {
+  active_model = place;
+  picked.reset();
+  if (models.empty()) return;
+  const Model& model = *models[place];
+  const bool has_map = looks.map == MapKind::Components ? model.mesh != nullptr : !model.values.empty();
+  if (!has_map) looks.map = MapKind::None;
+  if (model.mesh && !model.spheres && looks.mesh == MeshLook::Off) looks.mesh = MeshLook::Solid;
+  if (model.spheres && !model.mesh && looks.spheres == SpheresLook::Off) looks.spheres = SpheresLook::Surface;
   see_all();
+}
+
+void Session::show_map(Model& on, MapKind map, std::vector<float> values) {
+  for (const auto& model : models) {
+    if (map == looks.map || model->values.empty()) continue;
+    model->values.clear();
+    ++model->colour_revision;
+  }
+  on.values = std::move(values);
+  ++on.colour_revision;
+  looks.map = map;
 }
 
 void Session::see_all() {

@@ -112,6 +112,11 @@ class Session {
   void start(std::string title, Job::Work work, Stops stops = Stops::Anywhere);
   /// Opens a model, chooses it and sees all of it.
   void add(std::shared_ptr<Model> model);
+  /// Chooses a model that is open, where any is, and sees all of it: never with its only shape hidden, nor with a map
+  /// that it has no values of.
+  void choose(std::size_t place);
+  /// Shows a map on a model; its values by vertex, or none. Nobody has values of another map.
+  void show_map(Model& on, MapKind map, std::vector<float> values);
   /// A sphere around the models that are shown.
   [[nodiscard]] sdk::Sphere around() const;
   /// Lets the camera see all of the models that are shown, from where it looks.

@@ -57,9 +57,7 @@ Done similarity(Session& session, Arguments& arguments) {
                   return Job::Apply([&session, by, model, keeps, descriptor, alike = std::move(*alike)] {
                     if (keeps) model->editing.descriptors[by] = descriptor;
                     model->editing.similarity = alike;
-                    model->values = alike;
-                    session.looks.map = MapKind::Compared;
-                    ++model->colour_revision;
+                    session.show_map(*model, MapKind::Compared, alike);
                   });
                 });
   return {};

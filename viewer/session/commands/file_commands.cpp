@@ -27,9 +27,7 @@ Done close(Session& session, Arguments& arguments) {
   session.discard(session.models[session.active_model]);
   session.models.erase(session.models.begin() + static_cast<std::ptrdiff_t>(session.active_model));
   session.beside = 0;
-  session.active_model = session.active_model == 0 ? 0 : session.active_model - 1;
-  session.picked.reset();
-  if (!session.models.empty()) session.see_all();
+  session.choose(session.active_model == 0 ? 0 : session.active_model - 1);
   return {};
 }
 
@@ -37,9 +35,7 @@ Done model(Session& session, Arguments& arguments) {
   if (auto any = session.active(); !any) return tl::unexpected(any.error());
   const std::size_t place = arguments.count("model", 1, session.models.size());
   if (auto checked = arguments.check(); !checked) return checked;
-  session.active_model = place - 1;
-  session.picked.reset();
-  session.see_all();
+  session.choose(place - 1);
   return {};
 }
 

@@ -26,6 +26,12 @@ void selection_changed(Model& model) {
   ++model.colour_revision;
 }
 
+void forget_matches(Selecting& selecting) {
+  selecting.expansion.reset();
+  selecting.shown = 0;
+  selecting.shown_before.clear();
+}
+
 /// What a gesture selected joins the selection, and becomes what others are compared with. `again`: it refines the last
 /// gesture, in place of which it counts.
 void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces faces, bool again) {
@@ -34,8 +40,7 @@ void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces 
   selecting.selection.combine(faces, how);
   selecting.kind = kind;
   selecting.reference = std::move(faces);
-  selecting.expansion.reset();
-  selecting.shown = 0;
+  forget_matches(selecting);
   selecting.drawn.clear();
   selection_changed(model);
 }
@@ -43,8 +48,7 @@ void take_reference(sdk::Combine how, Model& model, Selecting::Kind kind, Faces 
 void forget_reference(Model& model) {
   model.selecting.kind = Selecting::Kind::None;
   model.selecting.reference.clear();
-  model.selecting.expansion.reset();
-  model.selecting.shown = 0;
+  forget_matches(model.selecting);
   selection_changed(model);
 }
 
@@ -237,6 +241,7 @@ Done expand(Session& session, Arguments& arguments) {
         auto expansion = expanded(*model, task);
         if (!expansion) return tl::unexpected(expansion.error());
         return Job::Apply([model, expansion = std::move(*expansion)] {
+          forget_matches(model->selecting);
           const auto all = expansion.first(expansion.size());
           model->selecting.shown = static_cast<std::size_t>(
               std::ranges::find_if(all, [](const sdk::Match& match) { return match.score < kClear; }) - all.begin());
@@ -271,6 +276,7 @@ Done accept(Session& session, Arguments& arguments) {
   const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->accept(place - 1);
+  selecting.shown_before.push_back(selecting.shown);
   selecting.shown = std::max<std::size_t>(selecting.shown, 1);
   ++(*model)->colour_revision;
   return {};
@@ -283,6 +289,7 @@ Done reject(Session& session, Arguments& arguments) {
   const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->reject(place - 1);
+  selecting.shown_before.push_back(selecting.shown);
   if (place <= selecting.shown) --selecting.shown;
   ++(*model)->colour_revision;
   return {};
@@ -292,7 +299,10 @@ Done reconsider(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   const auto model = with_expansion(session);
   if (!model) return tl::unexpected(model.error());
-  if (!(*model)->selecting.expansion->undo()) return sdk::fail("nothing was accepted or rejected yet");
+  Selecting& selecting = (*model)->selecting;
+  if (!selecting.expansion->undo()) return sdk::fail("nothing was accepted or rejected yet");
+  selecting.shown = selecting.shown_before.back();
+  selecting.shown_before.pop_back();
   ++(*model)->colour_revision;
   return {};
 }

@@ -114,16 +114,12 @@ Done map(Session& session, Arguments& arguments) {
   const auto model = session.active_mesh();
   if (!model) return tl::unexpected(model.error());
   if (kind == MapKind::None || kind == MapKind::Components) {
-    (*model)->values.clear();
-    ++(*model)->colour_revision;
-    session.looks.map = kind;
+    session.show_map(**model, kind, {});
     return {};
   }
   if (kind == MapKind::Compared) {
     if ((*model)->editing.similarity.empty()) return sdk::fail("nothing was compared yet; `similarity` does");
-    (*model)->values = (*model)->editing.similarity;
-    ++(*model)->colour_revision;
-    session.looks.map = kind;
+    session.show_map(**model, kind, (*model)->editing.similarity);
     return {};
   }
   if (kind == MapKind::Similarity && (*model)->selecting.reference.empty())
@@ -133,11 +129,8 @@ Done map(Session& session, Arguments& arguments) {
                  reference = (*model)->selecting.reference](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
                   auto values = compute_map(*model->mesh, kind, reference, task);
                   if (!values) return tl::unexpected(values.error());
-                  return Job::Apply([&session, kind, model, values = std::move(*values)] {
-                    model->values = values;
-                    ++model->colour_revision;
-                    session.looks.map = kind;
-                  });
+                  return Job::Apply(
+                      [&session, kind, model, values = std::move(*values)] { session.show_map(*model, kind, values); });
                 });
   return {};
 }
