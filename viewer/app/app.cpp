@@ -11,7 +11,7 @@
 namespace armature::viewer {
 namespace {
 
-constexpr float kSidebar = 290, kStatus = 36;
+constexpr float kSidebar = 290;
 /// A smaller view than this is not worth a sidebar.
 constexpr float kLeastView = 300, kLeastHeight = 240;
 
@@ -40,14 +40,13 @@ void App::lay_out(int width, int height) {
   const float sidebar = ui_.px(kSidebar);
   const bool has_room = w >= sidebar + ui_.px(kLeastView) && h >= ui_.px(kLeastHeight);
   const bool has_to_tell = session_.notice_is_error && !session_.notice.empty();
-  float status = has_to_tell || h >= ui_.px(kLeastHeight) ? ui_.px(kStatus) : 0;
-  if (status > 0 && !session_.job.running()) {
-    // What there is to tell may take several lines.
-    const float lines = ImGui::CalcTextSize(session_.notice.c_str(), nullptr, false, w - 2 * ui_.px(kStatusMargin)).y;
-    status = std::min(std::max(status, lines + ui_.px(18)), 0.75F * h);
-  }
+  const bool is_small = h < ui_.px(kLeastHeight);
+  const float status = std::round(std::min(status_height(ui_, w, !is_small), 0.75F * h));
+  // Work that takes long is told over a small view, which keeps its size.
+  const float below = has_to_tell || !is_small ? status : 0;
+  ui_.status = below > 0 || session_.job.running() ? Area{{0, h - status}, {w, status}} : Area{};
   const float left = has_room && ui_.sidebar ? std::round(sidebar) : 0;
-  ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, std::round(h - status))}};
+  ui_.view = {{left, 0}, {std::max(16.F, w - left), std::max(16.F, h - below)}};
   ui_.beside = {};
   session_.aspect = static_cast<double>(ui_.view.size.x / ui_.view.size.y);
   if (session_.mode == Mode::Shapes && session_.other() != nullptr) {
@@ -59,23 +58,12 @@ void App::lay_out(int width, int height) {
 
 /// Over a view: a model's name, as much of it as there is room for, and the error of its level.
 void App::draw_name(const Area& area, const Model& model) const {
-  std::string name = model.name;
   const float room = area.size.x - ui_.px(28);
-  const auto wide = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
-  if (wide(name) > room) {
-    const auto is_inside = [&](std::size_t at) { return at < name.size() && (name[at] & 0xC0) == 0x80; };
-    std::size_t length = name.size();
-    do {
-      while (is_inside(--length)) {  // of a letter of several bytes
-      }
-    } while (length > 0 && wide(name.substr(0, length) + "...") > room);
-    name = name.substr(0, length) + "...";
-  }
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 at{area.at.x + ui_.px(14), ui_.px(12)};
-  draw.AddText(at, theme::kInk, name.c_str());
+  draw.AddText(at, theme::kInk, shortened(model.name, room).c_str());
   if (!model.mesh || model.posing || !model.spheres || !model.spheres->errors) return;
-  const std::string error = error_words(*model.spheres->errors, ", ");
+  const std::string error = error_words(*model.spheres->errors, "\n");
   draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {at.x, at.y + ImGui::GetTextLineHeightWithSpacing()},
                theme::kDim, error.c_str(), nullptr, room);
 }
@@ -143,7 +131,6 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
   lay_out(width, height);
   handle_input(ui_);
   update_depth();
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
   draw_view_hints(ui_);
   if (session_.mode == Mode::Walk) draw_walk_overlay(ui_);
   if (ui_.view.at.x > 0) draw_sidebar(ui_);
@@ -153,7 +140,7 @@ sdk::Expected<void> App::draw(int width, int height, GLuint framebuffer, bool ca
     draw_name(ui_.view, *session_.models[session_.active_model]);
     draw_name(ui_.beside, *session_.other());
   }
-  if (ui_.view.size.y < h) draw_status_bar(ui_, {{0, ui_.view.size.y}, {w, h - ui_.view.size.y}});
+  if (ui_.status.size.y > 0) draw_status_bar(ui_, ui_.status);
   if (ui_.log) draw_log(ui_);
   if (ui_.dialog) draw_file_dialog(ui_);
   ImGui::Render();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,10 @@ struct Area {
   }
 };
 
-/// Beside what the status bar says, units of layout.
-inline constexpr float kStatusMargin = 14;
+/// Of the parts of the window.
+inline constexpr ImGuiWindowFlags kFixedWindow =
+    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 struct FileDialog;
 struct Gesture;
@@ -43,6 +46,7 @@ struct Ui {
   float scale = 1;                     ///< pixels a unit of layout
   Area view = {};                      ///< where the shapes or the city are
   Area beside = {};                    ///< where another model is shown beside; empty if none is
+  Area status = {};                    ///< where the status bar is; empty if there is none
   ImTextureID depth = nullptr;         ///< the depth picture, once there is one
   float depth_aspect = 1;
 
@@ -87,6 +91,17 @@ void draw_status_bar(Ui& ui, const Area& area);
 void draw_view_hints(Ui& ui);
 void draw_file_dialog(Ui& ui);
 void draw_log(Ui& ui);
+///@}
+
+/// How high the status bar has to be in a window of that width for all that it tells, and for what the mouse does where
+/// it says that, too; pixels.
+[[nodiscard]] float status_height(const Ui& ui, float width, bool says_what_the_mouse_does);
+
+///@{
+/// As much of the end of a text as fits, or all if nothing does: what went wrong stands behind where. Asks a few times.
+[[nodiscard]] std::string end_of(const std::string& text, const std::function<bool(const std::string&)>& fits);
+/// As much of the beginning of a text as there is room for in a line.
+[[nodiscard]] std::string shortened(const std::string& text, float room);
 ///@}
 
 /// A level's error as people read it: its mean and its largest distance, in percent of the mesh's diagonal.

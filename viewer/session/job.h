@@ -43,6 +43,8 @@ class Job {
   [[nodiscard]] const std::string& title() const noexcept { return title_; }
   /// Whether it is work that cannot be cancelled.
   [[nodiscard]] bool whole() const noexcept { return stops_ == Stops::Never; }
+  /// Whether it has been cancelled and has not ended yet.
+  [[nodiscard]] bool stopping() const { return running() && thread_.get_stop_token().stop_requested(); }
   [[nodiscard]] JobProgress progress() const;
 
   /// None may be running.

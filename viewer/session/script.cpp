@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace armature::viewer {
 
 Script::Script(const std::vector<std::string>& lines) {
@@ -79,13 +81,20 @@ void FileList::step(Session& session) {
   }
   if (session.failures != failures_) {
     failures_ = session.failures;
-    failed_ += (failed_.empty() ? "" : "; ") + session.notice;
+    constexpr std::size_t kMostTold = 3;
+    if (told_ < kMostTold) {
+      failed_ += (told_++ == 0 ? "" : "; ") + session.notice;
+    } else {
+      ++untold_;
+    }
   }
   static_cast<void>(script_.step(session));
   if (!script_.done(session)) return;
   opening_ = false;
   // The next one that could be opened has taken away what was told.
+  if (untold_ > 0) failed_ += fmt::format("; and {} more", untold_);
   if (!failed_.empty()) session.tell(std::exchange(failed_, {}), true);
+  told_ = untold_ = 0;
 }
 
 Playlist::Playlist(const std::vector<std::string>& files, Script script) : script_(std::move(script)) {

@@ -58,8 +58,9 @@ class FileList {
  private:
   Script script_;
   bool opening_ = false;
-  std::size_t failures_ = 0;  // of the session, that have been looked at
-  std::string failed_;
+  std::size_t failures_ = 0;           // of the session, that have been looked at
+  std::string failed_;                 // what is to be told
+  std::size_t told_ = 0, untold_ = 0;  // files that it names, and does not
 };
 
 /// What a window plays: it opens files, then plays its script, and then opens what is dropped onto it, whatever becomes

@@ -9,6 +9,10 @@
 
 namespace armature::viewer {
 
+std::string file_name(const std::filesystem::path& path) {
+  return path.has_filename() ? path.filename().string() : path.string();
+}
+
 sdk::Expected<void> write_text(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path unfinished = path.string() + ".part." + std::to_string(getpid());
   errno = 0;

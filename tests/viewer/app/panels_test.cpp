@@ -1,4 +1,5 @@
 // What panels issue, without a window.
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -100,6 +101,42 @@ TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
     EXPECT_EQ(facts_of(again), facts_of(used)) << lines.back();
   }
   EXPECT_GT(clicked, 100U);
+}
+
+TEST_F(Hands, CancelWorkHoweverLongItsTitleAndNarrowTheWindow) {
+  for (const ImVec2 size : {ImVec2{200, 36}, ImVec2{400, 36}, ImVec2{800, 36}}) {
+    std::atomic<bool> done = false;
+    session.start("opening " + std::string(250, 'w'), [&](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+      done.wait(false);
+      return Job::Apply();
+    });
+    ImGui::GetIO().DisplaySize = {size.x, 400};
+    for (const bool down : {false, false, true, false}) {
+      ImGui::GetIO().MousePos = {40, 382};
+      ImGui::GetIO().MouseDown[0] = down;
+      ImGui::NewFrame();
+      draw_status_bar(ui, {{0, 364}, size});
+      ImGui::EndFrame();
+    }
+    EXPECT_TRUE(session.job.stopping()) << size.x;
+    done = true;
+    done.notify_all();
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+    EXPECT_FALSE(session.job.stopping());
+  }
+}
+
+TEST(TheEndOfAText, IsFoundByAFewQuestionsHoweverLongItIs) {
+  const std::string text(1'000'000, 'x');
+  int asked = 0;
+  const auto fits = [&](const std::string& part) { return ++asked, part.size() <= 100; };
+  EXPECT_EQ(end_of(text, fits), "..." + text.substr(0, 97));
+  EXPECT_LT(asked, 30);
+  EXPECT_EQ(end_of("short", fits), "short");
+  // Letters stay whole.
+  std::string letters;
+  for (int i = 0; i < 200; ++i) letters += "\u0142";
+  EXPECT_EQ(end_of(letters, fits), "..." + letters.substr(letters.size() - 96));
 }
 
 /// A window of so many pixels, as the program lays it out, and a daemon that says what it is told to.

@@ -374,6 +374,19 @@ TEST(WhatIsOpened, IsAllThatCanBeAndTheOthersAreTold) {
   EXPECT_FALSE(session.failure);
 }
 
+TEST(WhatIsOpened, NamesTheFirstFewOfManyThatCannotBe) {
+  Session session;
+  Playlist playlist({"a.off", "b.off", "c.off", "d.off", "e.off"}, Script());
+  play(session, playlist);
+  EXPECT_NE(session.notice.find("c.off"), std::string::npos) << session.notice;
+  EXPECT_EQ(session.notice.find("d.off"), std::string::npos) << session.notice;
+  EXPECT_TRUE(session.notice.ends_with("; and 2 more")) << session.notice;
+  playlist.drop("f.off");
+  play(session, playlist);
+  EXPECT_TRUE(session.notice.starts_with("open: f.off") || session.notice.starts_with("f.off")) << session.notice;
+  EXPECT_EQ(session.notice.find("more"), std::string::npos) << session.notice;
+}
+
 TEST(Scripts, GoOnWhateverFailsByHandMeanwhile) {
   Session session;
   Playlist playlist({}, Script({"wait 0.1", "panel edit", "wait 0.1", "tool hammer", "panel look"}));

@@ -58,6 +58,18 @@ bool small_button(const char* label) {
   return clicked;
 }
 
+std::string shortened(const std::string& text, float room) {
+  const auto wide = [](const std::string& part) { return ImGui::CalcTextSize(part.c_str()).x; };
+  if (wide(text) <= room) return text;
+  const auto is_inside = [&](std::size_t at) { return at < text.size() && (text[at] & 0xC0) == 0x80; };
+  std::size_t length = text.size();
+  do {
+    while (is_inside(--length)) {  // of a letter of several bytes
+    }
+  } while (length > 0 && wide(text.substr(0, length) + "...") > room);
+  return text.substr(0, length) + "...";
+}
+
 void explain(const char* text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }

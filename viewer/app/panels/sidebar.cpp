@@ -9,10 +9,6 @@
 namespace armature::viewer {
 namespace {
 
-constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
-
 void draw_models(Ui& ui) {
   const Session& session = ui.session;
   if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
@@ -61,7 +57,7 @@ void draw_sidebar(Ui& ui) {
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({ui.view.at.x, ui.view.size.y});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
-  ImGui::Begin("sidebar", nullptr, kFixed);
+  ImGui::Begin("sidebar", nullptr, kFixedWindow);
   ImGui::PopStyleVar();
   const int mode = choice_row("mode", static_cast<int>(session.mode), {"Shapes", "Walk"});
   if (mode >= 0) ui.issue("mode {}", kModes[static_cast<std::size_t>(mode)]);
@@ -87,7 +83,7 @@ void draw_log(Ui& ui) {
   const float height = std::min(ui.px(190), 0.5F * view.size.y);
   ImGui::SetNextWindowPos({view.at.x + ui.px(12), view.end().y - height - ui.px(12)});
   ImGui::SetNextWindowSize({std::min(ui.px(520), view.size.x - ui.px(24)), height});
-  ImGui::Begin("Commands", &ui.log, kFixed);
+  ImGui::Begin("Commands", &ui.log, kFixedWindow);
   hint("Every action is a line; armature-viewer --script FILE replays them.");
   if (small_button("Copy all")) {
     std::string text;
@@ -100,71 +96,6 @@ void draw_log(Ui& ui) {
   for (const std::string& line : ui.session.log()) ImGui::TextUnformatted(line.c_str());
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
-  ImGui::End();
-}
-
-/// As much of the end of a text as there is room for when it wraps: what went wrong stands behind where.
-static std::string end_of(std::string text, const ImVec2& room) {
-  const std::string whole = text;
-  const auto high = [&](const std::string& part) {
-    return ImGui::CalcTextSize(part.c_str(), nullptr, false, room.x).y;
-  };
-  if (high(text) <= room.y) return text;
-  do {
-    text.erase(0, 1);
-    while (!text.empty() && (text[0] & 0xC0) == 0x80) text.erase(0, 1);  // of a letter of several bytes
-  } while (!text.empty() && high("..." + text) > room.y);
-  return text.empty() ? whole : "..." + text;
-}
-
-void draw_status_bar(Ui& ui, const Area& area) {
-  const Session& session = ui.session;
-  ImGui::SetNextWindowPos(area.at);
-  ImGui::SetNextWindowSize(area.size);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {ui.px(kStatusMargin), ui.px(5)});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(240, 241, 241, 255));
-  ImGui::Begin("status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
-  ImGui::PopStyleColor();
-  ImGui::PopStyleVar(3);
-  const auto draw_progress = [&](const Job& job) {
-    const JobProgress progress = job.progress();
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted(job.title().c_str());
-    ImGui::SameLine();
-    ImGui::ProgressBar(static_cast<float>(progress.fraction), {std::min(ui.px(220), 0.3F * area.size.x), 0},
-                       progress.stage.c_str());
-    ImGui::SameLine();
-  };
-  if (session.job.running()) {
-    // A cut waits for what is being prepared for it.
-    draw_progress(session.preparing.running() && session.job.progress().stage.empty() ? session.preparing
-                                                                                      : session.job);
-    if (!session.job.whole() && ImGui::Button("Cancel")) ui.issue("cancel");
-  } else if (!session.notice.empty()) {
-    ImGui::AlignTextToFramePadding();
-    ImGui::PushStyleColor(ImGuiCol_Text, session.notice_is_error ? theme::kBad : theme::kInk);
-    ImGui::TextWrapped("%s", end_of(session.notice, ImGui::GetContentRegionAvail()).c_str());
-    ImGui::PopStyleColor();
-    explain(session.notice.c_str());
-    if (ImGui::IsItemClicked()) ui.tell("");
-  } else {
-    if (session.preparing.running()) draw_progress(session.preparing);
-    static constexpr std::array<const char*, 8> kHints = {
-        "Drag to turn, right-drag to move, wheel to zoom.",
-        "Click on a component. Alt moves the camera.",
-        "Draw along the cut; Shift draws on at the same cut. Alt moves the camera.",
-        "Brush over the patch; Shift adds to it, Ctrl takes away. The wheel changes the brush. Alt moves the camera.",
-        "Draw a loop around what you want. Alt moves the camera.",
-        "Drag the boundary of what is selected to where it should run. Alt moves the camera.",
-        "Click what you want to move, then drag its handles. Alt moves the camera.",
-        "Click a spot: colours show what is like it. Alt moves the camera."};
-    ImGui::AlignTextToFramePadding();
-    hint(session.mode == Mode::Walk ? "W A S D or arrow keys walk, or drag in the view."
-         : session.models.empty()   ? "Ctrl+O opens a file. Tab hides what is on the left."
-                                    : kHints[static_cast<std::size_t>(session.tool)]);
-  }
   ImGui::End();
 }
 

@@ -13,7 +13,7 @@ using Done = sdk::Expected<void>;
 Done open(Session& session, Arguments& arguments) {
   const std::string file = arguments.file();
   if (auto checked = arguments.check(); !checked) return checked;
-  session.start("opening " + file, [&session, file](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
+  session.start("opening " + file_name(file), [&session, file](const sdk::Task& task) -> sdk::Expected<Job::Apply> {
     auto model = read_model(file, task);
     if (!model) return tl::unexpected(model.error());
     return Job::Apply([&session, model = *model] { session.add(model); });
@@ -65,7 +65,7 @@ Done save(Session& session, Arguments& arguments) {
   if (auto checked = arguments.check(); !checked) return checked;
   if (auto model = session.active(); !model) return tl::unexpected(model.error());
   session.start(
-      "writing " + file,
+      "writing " + file_name(file),
       [&session, file, spheres,
        model = session.models[session.active_model]](const sdk::Task&) -> sdk::Expected<Job::Apply> {
         if (auto written = write_model(*model, file, spheres); !written) return tl::unexpected(written.error());

@@ -113,7 +113,7 @@ Done save_pose(Session& session, Arguments& arguments) {
   const auto model = posed(session);
   if (!model) return tl::unexpected(model.error());
   session.start(
-      "writing " + file,
+      "writing " + file_name(file),
       [&session, file, posing = (*model)->posing](const sdk::Task&) {
         return write_text(file, posing->text()).map([&] {
           return Job::Apply([&session, file] { session.tell("wrote " + file); });
@@ -132,7 +132,7 @@ Done replay_pose(Session& session, Arguments& arguments) {
   if (!in || !std::filesystem::is_regular_file(file, none))
     return sdk::fail(file + ": cannot be read; expected the steps of a deformation");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return lay(session, "posing as " + file,
+  return lay(session, "posing as " + file_name(file),
              [file, text](Posing& posing, const sdk::Task& task) { return posing.replay(text, file, task); },
              {.lets_go = true, .stops = Stops::ByItself});
 }
