@@ -35,10 +35,12 @@ void handle_mouse(Ui& ui) {
   const Session& session = ui.session;
   const ImGuiIO& io = ImGui::GetIO();
   const bool over = ui.view.holds(io.MousePos) && !io.WantCaptureMouse;
+  // The camera is one for both models; tools work on the left one.
+  const bool over_either = over || (ui.beside.holds(io.MousePos) && !io.WantCaptureMouse);
   const bool walks = session.mode == Mode::Walk;
   const bool looks = io.KeyAlt || session.tool == Tool::Look;
   if (drag == Drag::None && handle_gizmo(ui, over)) return;
-  if (drag == Drag::None && over) {
+  if (drag == Drag::None && over_either) {
     for (const int pressed : {0, 1, 2}) {
       if (!io.MouseClicked[pressed]) continue;
       ui.button = pressed;
@@ -46,7 +48,7 @@ void handle_mouse(Ui& ui) {
         drag = Drag::Walk;
       } else if (looks && !session.models.empty()) {
         drag = pressed == 0 ? Drag::Orbit : Drag::Pan;
-      } else if (pressed == 0 && !session.models.empty()) {
+      } else if (pressed == 0 && over && !session.models.empty()) {
         drag = Drag::Tool;
         begin_gesture(ui);
       }
@@ -60,12 +62,12 @@ void handle_mouse(Ui& ui) {
     if (drag == Drag::Tool) end_gesture(ui);
     drag = Drag::None;
   }
-  if (over && io.MouseWheel != 0 && !walks && !session.models.empty()) {
+  if (over_either && io.MouseWheel != 0 && !walks && !session.models.empty()) {
     if (looks) {
       OrbitCamera camera = session.camera;
       camera.zoom(std::pow(1.15, static_cast<double>(io.MouseWheel)));
       issue_camera(ui, camera);
-    } else if (session.tool == Tool::Brush) {
+    } else if (over && session.tool == Tool::Brush) {
       ui.issue("brush-size {:.4g}",
                std::clamp(session.brush * std::pow(1.1, static_cast<double>(io.MouseWheel)), 0.002, 0.5));
     }
@@ -104,14 +106,24 @@ void walk_by_hand(Ui& ui) {
   ui.issue("place {:.6g} {:.6g} {:.6g}", pose.x_m, pose.y_m, pose.heading_rad * 180 / std::numbers::pi);
 }
 
+/// What was done last on the page that is seen; there is nothing of it in the city.
+void take_back_or_do_again(Ui& ui, bool again) {
+  if (ui.session.mode == Mode::Walk) return;
+  if (ui.session.panel != Panel::Edit) {
+    ui.issue("{}", again ? "redo" : "undo");
+  } else if (!again) {
+    ui.issue("undo-edit");
+  }
+}
+
 void handle_keys(Ui& ui) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput) return;
   if (io.KeyCtrl) {
-    if (ImGui::IsKeyPressed('O', false)) ui.dialog = true, ui.saving = false;
-    if (ImGui::IsKeyPressed('S', false) && !ui.session.models.empty()) ui.dialog = ui.saving = true;
-    if (ImGui::IsKeyPressed('Z', false)) ui.issue("{}", io.KeyShift ? "redo" : "undo");
-    if (ImGui::IsKeyPressed('Y', false)) ui.issue("redo");
+    if (ImGui::IsKeyPressed('O', false)) ask_for_file(ui, FileUse::Open);
+    if (ImGui::IsKeyPressed('S', false) && !ui.session.models.empty()) ask_for_file(ui, FileUse::Save);
+    if (ImGui::IsKeyPressed('Z', false)) take_back_or_do_again(ui, io.KeyShift);
+    if (ImGui::IsKeyPressed('Y', false)) take_back_or_do_again(ui, true);
     return;
   }
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && ui.session.job.running() &&
@@ -122,8 +134,8 @@ void handle_keys(Ui& ui) {
   if (ImGui::IsKeyPressed('F', false) && !ui.session.models.empty()) ui.issue("fit");
   for (int i = 0; i < 6; ++i)
     if (ImGui::IsKeyPressed('1' + i, false)) ui.issue("tool {}", kTools[static_cast<std::size_t>(i)]);
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false) && !ui.session.models.empty() &&
-      ui.session.models[ui.session.active_model]->selecting.expansion)
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false) && ui.session.panel == Panel::Select &&
+      !ui.session.models.empty() && ui.session.models[ui.session.active_model]->selecting.expansion)
     ui.issue("take");
 }
 

@@ -18,6 +18,9 @@ constexpr std::array<Face, 2> kFaces = {{
     {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf"},
 }};
 
+/// What files may be called: Latin letters and their extensions, Greek, Cyrillic; and punctuation.
+constexpr std::array<ImWchar, 9> kLetters = {0x20, 0x24F, 0x370, 0x3FF, 0x400, 0x52F, 0x2010, 0x205E, 0};
+
 ImFont* heading_font = nullptr;
 ImFont* large_font = nullptr;
 
@@ -27,7 +30,7 @@ void load_fonts(float scale) {
   for (const Face& face : kFaces) {
     if (!std::filesystem::exists(face.regular, error) || !std::filesystem::exists(face.bold, error)) continue;
     // Whole pixels keep letters sharp.
-    atlas.AddFontFromFileTTF(face.regular, std::round(15 * scale));
+    atlas.AddFontFromFileTTF(face.regular, std::round(15 * scale), nullptr, kLetters.data());
     heading_font = atlas.AddFontFromFileTTF(face.bold, std::round(15 * scale));
     large_font = atlas.AddFontFromFileTTF(face.bold, std::round(24 * scale));
     return;

@@ -39,6 +39,9 @@ struct LevelSlide {
   bool active = false, waits = false;  ///< whether the mouse holds it; whether `follow_level()` is to issue it
 };
 
+/// What a file is chosen for in the dialog.
+enum class FileUse : std::uint8_t { Open, Save, SavePose, ReplayPose };
+
 /// What panels share: the session, which they see, and change by commands alone; and what only the window knows.
 struct Ui {
   Session& commanded;                  ///< by `issue()` and `tell()`; nobody else changes it
@@ -57,7 +60,7 @@ struct Ui {
   bool sidebar = true;                          ///< Tab hides it; a small window has none
   bool dialog = false;                          ///< the file dialog is open
   std::shared_ptr<FileDialog> files = nullptr;  ///< what it remembers
-  bool saving = false;                          ///< to write instead of to open
+  FileUse file_use = FileUse::Open;             ///< and what for
   bool log = false;                             ///< the list of commands is open
   std::vector<ImVec2> stroke = {};              ///< what the mouse draws at the moment, in pixels
   std::shared_ptr<Gesture> gesture = nullptr;   ///< what it does there; and whether that is still being found
@@ -90,6 +93,8 @@ void draw_walk_overlay(Ui& ui);
 void draw_status_bar(Ui& ui, const Area& area);
 void draw_view_hints(Ui& ui);
 void draw_file_dialog(Ui& ui);
+/// Opens the dialog.
+void ask_for_file(Ui& ui, FileUse use);
 void draw_log(Ui& ui);
 ///@}
 

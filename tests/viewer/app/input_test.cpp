@@ -69,6 +69,30 @@ TEST_F(Hands, MoveTheCameraWithAltWhateverTheTool) {
   }
 }
 
+TEST_F(Hands, MoveTheCameraOverTheModelBesideToo) {
+  session.add(ball(6));
+  ASSERT_TRUE(session.execute("beside 1"));
+  ui.view = {{0, 0}, {300, 400}};
+  ui.beside = {{300, 0}, {300, 400}};
+  for (const int button : {0, 1}) {
+    const Eigen::Matrix4d before = camera();
+    drag({450, 200}, {40, 20}, button);
+    EXPECT_FALSE(camera().isApprox(before)) << button;
+  }
+  const double distance = session.camera.distance;
+  ImGui::GetIO().MouseWheel = 1;
+  frame({450, 200});
+  ImGui::GetIO().MouseWheel = 0;
+  EXPECT_LT(session.camera.distance, distance);
+  // Tools are for the model on the left.
+  ASSERT_TRUE(session.execute("tool brush"));
+  const Eigen::Matrix4d before = camera();
+  drag({450, 200}, {40, 10});
+  EXPECT_TRUE(camera().isApprox(before));
+  EXPECT_TRUE(session.models.back()->selecting.selection.faces().empty());
+  EXPECT_EQ(selected(), 0U);
+}
+
 TEST_F(Hands, ThatPressAltInTheMiddleOfAStrokeEndTheStroke) {
   ASSERT_TRUE(session.execute("tool brush"));
   const Eigen::Matrix4d before = camera();
@@ -300,6 +324,21 @@ TEST_F(Hands, UseKeys) {
   ASSERT_TRUE(session.execute("expand"));
   frame({300, 200});
   ASSERT_TRUE(session.execute("matches 1"));
+  // Nobody sees on other pages what would be selected, nor in the city.
+  ASSERT_TRUE(session.execute("panel look"));
+  press(300);
+  EXPECT_EQ(selected(), some);
+  ASSERT_TRUE(session.execute("mode walk"));
+  for (const char key : {'Z', 'Y'}) press(key, true);
+  EXPECT_EQ(selected(), some);
+  ASSERT_TRUE(session.execute("mode shapes"));
+  ASSERT_TRUE(session.execute("panel edit"));
+  press('Z', true);
+  EXPECT_EQ(selected(), some);
+  EXPECT_EQ(session.notice, "undo-edit: no edit was kept yet");
+  press('Y', true);
+  EXPECT_EQ(selected(), some);
+  ASSERT_TRUE(session.execute("panel select"));
   press(300);
   EXPECT_GT(selected(), some) << "Enter takes the matches that are shown";
   ASSERT_TRUE(session.execute("camera 10 10 50 0 0 0"));

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <thread>
@@ -90,7 +91,7 @@ TEST_F(Hands, ClickNothingInAPanelThatAScriptDoesNotHold) {
         for (const bool down : {false, true, false}) draw({x, y}, down);
         panels.log = false;
         if (used.models.size() > 1) carry_out(used, "close");  // what is made of it is made once
-        ASSERT_FALSE(panels.dialog);
+        panels.dialog = false;                                 // it issues what its own buttons do
       }
     }
     clicked += used.log().size() - before;
@@ -124,6 +125,100 @@ TEST_F(Hands, CancelWorkHoweverLongItsTitleAndNarrowTheWindow) {
     while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
     EXPECT_FALSE(session.job.stopping());
   }
+}
+
+TEST_F(Hands, FindTheSliderOfEditsAtNothingOnceAnEditIsKeptOrDroppedOrIsAnotherModels) {
+  ui.view = {{290, 0}, {310, 764}};
+  ImGui::GetIO().DisplaySize = {600, 800};
+  /// All words of the sidebar.
+  const auto words = [&] {
+    ImGui::NewFrame();
+    ImGui::LogToClipboard();
+    draw_sidebar(ui);
+    ImGui::LogFinish();
+    ImGui::EndFrame();
+    return std::string(ImGui::GetClipboardText());
+  };
+  const auto expect = [&](const char* amount) {
+    const std::string shown = words();
+    EXPECT_NE(shown.find(std::string(amount) + " % of its size"), std::string::npos) << shown;
+  };
+  for (const char* end : {"drop-edit", "keep-edit", "model 1"}) {
+    if (session.models.size() < 2) session.add(ball(6));
+    for (const char* line :
+         {"model 1", "panel edit", "similarity gls 0", "model 2", "similarity gls 0", "edit displace 0.02 map"})
+      carry_out(session, line);
+    expect("2.0");
+    carry_out(session, end);
+    expect("0.0");
+  }
+}
+
+/// Folders and files that are there for as long as it lives.
+struct Folder {
+  Folder() { std::filesystem::create_directories(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("armature-panels-files." + std::to_string(::getpid()));
+};
+
+TEST_F(Hands, FindFilesThatHaveJustComeInADialogThatIsAlwaysInTheWindow) {
+  const Folder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path);
+  const auto words = [&] {
+    std::string text;
+    for (int i = 0; i < 3; ++i) {
+      ImGui::NewFrame();
+      ImGui::LogToClipboard();
+      draw_file_dialog(ui);
+      ImGui::LogFinish();
+      ImGui::EndFrame();
+      text = ImGui::GetClipboardText();
+    }
+    return text;
+  };
+  ask_for_file(ui, FileUse::Open);
+  EXPECT_EQ(words().find("new.off"), std::string::npos);
+  std::ofstream(folder.path / "new.off") << "OFF";
+  std::ofstream(folder.path / "steps.moves") << "armature deformation 1";
+  ask_for_file(ui, FileUse::Open);
+  EXPECT_NE(words().find("new.off"), std::string::npos);
+  EXPECT_EQ(words().find("steps.moves"), std::string::npos);
+  ask_for_file(ui, FileUse::ReplayPose);
+  EXPECT_NE(words().find("steps.moves"), std::string::npos);
+  EXPECT_EQ(words().find("new.off"), std::string::npos);
+  // The window becomes smaller.
+  ImGui::GetIO().DisplaySize = {260, 180};
+  static_cast<void>(words());
+  ImGui::NewFrame();
+  draw_file_dialog(ui);
+  ImGui::Begin("Replay steps");
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  ImGui::End();
+  ImGui::EndFrame();
+  EXPECT_GE(at.x, 0);
+  EXPECT_GE(at.y, 0);
+  EXPECT_LE(at.x + size.x, 260);
+  EXPECT_LE(at.y + size.y, 180);
+  std::filesystem::current_path(before);
+}
+
+TEST(Letters, OfManyAlphabetsAreThereWhereTheFontIs) {
+  ImGuiContext* context = ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  theme::apply(2);
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Build();
+  // Not the font that is ImGui's own.
+  if (theme::heading() != theme::large()) {
+    for (const ImWchar letter : {0xE9, 0x142, 0x17C, 0x3BB, 0x448, 0x44F})
+      EXPECT_NE(atlas.Fonts.front()->FindGlyphNoFallback(letter), nullptr) << letter;
+  }
+  EXPECT_LE(atlas.TexWidth * atlas.TexHeight, 2048 * 2048) << "on a display of scale 2";
+  ImGui::DestroyContext(context);
 }
 
 TEST(TheEndOfAText, IsFoundByAFewQuestionsHoweverLongItIs) {

@@ -34,7 +34,8 @@ struct Wanted {
   int where = 0, op = 0;
   float amount = 0;
   bool waits = false;
-  std::string line = {};  // what was carried out last
+  std::string line = {};                  // the last one,
+  std::weak_ptr<const Model> model = {};  // and on what
   float from = 0.1F, to = 0.9F;
 };
 
@@ -46,13 +47,20 @@ bool is_percent(EditOp op) {
   return op != EditOp::Sharpen && op != EditOp::Alike;
 }
 
-/// The panel shows the edit that was carried out last, a script's too.
+/// The panel shows the edit that was carried out last, a script's too; none, once it was kept, dropped or taken back.
 void follow(const Session& session, Wanted& wanted) {
+  if (const auto& model = session.models[session.active_model]; wanted.model.lock() != model) {
+    wanted.model = model;
+    wanted.amount = 0;
+    wanted.waits = false;
+  }
   if (wanted.waits || session.log().empty() || session.log().back() == wanted.line) return;
-  const std::string& line = session.log().back();
-  const auto words = split_words(line);
-  if (!words || words->size() != 4 || words->front() != "edit") return;
-  wanted.line = line;
+  wanted.line = session.log().back();
+  const auto words = split_words(wanted.line);
+  if (!words || words->empty()) return;
+  const std::string& name = words->front();
+  if (name == "keep-edit" || name == "drop-edit" || name == "undo-edit") wanted.amount = 0;
+  if (words->size() != 4 || name != "edit") return;
   wanted.where = (*words)[3] == "regions" ? 1 : 0;
   const auto choices = choices_of(wanted.where);
   for (std::size_t i = 0; i < choices.size(); ++i) {

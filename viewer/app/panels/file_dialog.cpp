@@ -10,6 +10,25 @@
 namespace armature::viewer {
 namespace fs = std::filesystem;
 
+namespace {
+
+/// What a file is chosen for.
+struct Use {
+  const char *title, *command, *button, *hint;
+  bool writes, of_moves;
+};
+constexpr std::array<Use, 4> kUses = {
+    {{"Open", "open", "Open", "name of a file", false, false},
+     {"Save as", "save", "Save", "name.obj, .ply, .ma, .smh ...", true, false},
+     {"Save the steps", "save-pose", "Save", "name.moves", true, true},
+     {"Replay steps", "replay-pose", "Replay", "name of a file of steps", false, true}}};
+
+const Use& use_of(const Ui& ui) {
+  return kUses[static_cast<std::size_t>(ui.file_use)];
+}
+
+}  // namespace
+
 /// What the dialog remembers while the program runs.
 struct FileDialog {
   fs::path folder;
@@ -21,13 +40,14 @@ struct FileDialog {
 
 namespace {
 
-bool can_be_opened(const fs::path& path) {
+bool can_be_chosen(const fs::path& path, const Use& use) {
+  if (use.of_moves) return lower_extension(path) == ".moves";
   static const std::set<std::string> kExtensions = {".off", ".obj",  ".ply", ".stl", ".ma",
                                                     ".smh", ".gltf", ".glb", ".dae", ".3ds"};
   return kExtensions.contains(lower_extension(path));
 }
 
-void list(FileDialog& dialog) {
+void list(FileDialog& dialog, const Use& use) {
   if (dialog.listed == dialog.folder) return;
   dialog.listed = dialog.folder;
   dialog.folders.clear();
@@ -40,7 +60,7 @@ void list(FileDialog& dialog) {
     std::error_code unknown;  // a link that leads nowhere
     if (entry->is_directory(unknown)) {
       dialog.folders.push_back(name);
-    } else if (can_be_opened(name)) {
+    } else if (can_be_chosen(name, use)) {
       dialog.files.push_back(name);
     }
   }
@@ -58,12 +78,18 @@ void choose(Ui& ui, FileDialog& dialog, const fs::path& name) {
     dialog.name.fill(0);
     return;
   }
-  ui.issue("{} {}", ui.saving ? "save" : "open", as_word(file.string()));
+  ui.issue("{} {}", use_of(ui).command, as_word(file.string()));
   dialog.listed.clear();
   ui.dialog = false;
 }
 
 }  // namespace
+
+void ask_for_file(Ui& ui, FileUse use) {
+  ui.dialog = true;
+  ui.file_use = use;
+  if (ui.files) ui.files->listed.clear();  // others may have changed it since
+}
 
 void draw_file_dialog(Ui& ui) {
   std::error_code none;
@@ -72,14 +98,19 @@ void draw_file_dialog(Ui& ui) {
     ui.files->folder = fs::current_path(none);
   }
   FileDialog& dialog = *ui.files;
-  list(dialog);
+  const Use& use = use_of(ui);
+  list(dialog, use);
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   const ImVec2 size(std::min(ui.px(520), window.x - ui.px(16)), std::min(ui.px(480), window.y - ui.px(16)));
   ImGui::SetNextWindowPos({(window.x - size.x) / 2, (window.y - size.y) / 2}, ImGuiCond_Appearing);
   ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
   ImGui::SetNextWindowFocus();
-  ImGui::Begin(ui.saving ? "Save as" : "Open", &ui.dialog,
-               ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  ImGui::SetNextWindowSizeConstraints({1, 1}, {window.x - ui.px(16), window.y - ui.px(16)});
+  ImGui::Begin(use.title, &ui.dialog, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  // Wherever it was dragged to, and however small the window has become, all of it is seen.
+  const ImVec2 at = ImGui::GetWindowPos(), wide = ImGui::GetWindowSize();
+  ImGui::SetWindowPos({std::clamp(at.x, 0.F, std::max(0.F, window.x - wide.x)),
+                       std::clamp(at.y, 0.F, std::max(0.F, window.y - wide.y))});
   ImGui::TextWrapped("%s", dialog.folder.c_str());
   if (!dialog.complaint.empty()) ImGui::TextColored({0.73F, 0.2F, 0.16F, 1}, "%s", dialog.complaint.c_str());
   ImGui::BeginChild("entries", {0, -2.6F * ImGui::GetFrameHeightWithSpacing()});
@@ -91,18 +122,18 @@ void draw_file_dialog(Ui& ui) {
     if (ImGui::Selectable(file.c_str(), false, ImGuiSelectableFlags_AllowDoubleClick)) {
       dialog.name.fill(0);
       file.string().copy(dialog.name.data(), dialog.name.size() - 1);
-      if (ImGui::IsMouseDoubleClicked(0) && !ui.saving) choose(ui, dialog, file);
+      if (ImGui::IsMouseDoubleClicked(0) && !use.writes) choose(ui, dialog, file);
     }
   }
   ImGui::EndChild();
   ImGui::SetNextItemWidth(-1);
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  const bool entered = ImGui::InputTextWithHint(
-      "##name", ui.saving ? "name.obj, .ply, .ma, .smh ..." : "name of a file", dialog.name.data(), dialog.name.size(),
-      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  const bool entered =
+      ImGui::InputTextWithHint("##name", use.hint, dialog.name.data(), dialog.name.size(),
+                               ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   const bool replaces =
-      ui.saving && dialog.name[0] != 0 && fs::is_regular_file(dialog.folder / dialog.name.data(), none);
-  const bool confirmed = accent_button(replaces ? "Replace" : ui.saving ? "Save" : "Open");
+      use.writes && dialog.name[0] != 0 && fs::is_regular_file(dialog.folder / dialog.name.data(), none);
+  const bool confirmed = accent_button(replaces ? "Replace" : use.button);
   ImGui::SameLine();
   if (ImGui::Button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ui.dialog = false;
   if (replaces) {

@@ -36,6 +36,9 @@ void draw_pose_panel(Ui& ui) {
   if (accent_button("Keep as a model")) ui.issue("bake");
   ImGui::SameLine();
   if (ImGui::Button("Put back")) ui.issue("unpose");
+  if (ImGui::Button("Save the steps...")) ask_for_file(ui, FileUse::SavePose);
+  ImGui::SameLine();
+  if (ImGui::Button("Replay...")) ask_for_file(ui, FileUse::ReplayPose);
   ImGui::EndDisabled();
 }
 

@@ -49,6 +49,8 @@ void draw_looks(Ui& ui, const Model& model) {
     ImGui::SameLine();
     if (ImGui::Button(side.name)) ui.issue("camera {} {}", side.azimuth, side.elevation);
   }
+  const int up = choice_row("up", static_cast<int>(session.camera.view.up), {"X up", "Y up", "Z up"});
+  if (up >= 0) ui.issue("up {}", std::array{"x", "y", "z"}[static_cast<std::size_t>(up)]);
 }
 
 std::string counted(std::size_t number, const char* thing) {

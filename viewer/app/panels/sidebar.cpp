@@ -11,14 +11,14 @@ namespace {
 
 void draw_models(Ui& ui) {
   const Session& session = ui.session;
-  if (ImGui::Button("Open...")) ui.dialog = true, ui.saving = false;
+  if (ImGui::Button("Open...")) ask_for_file(ui, FileUse::Open);
   explain("Ctrl+O");
   if (session.models.empty()) {
     hint("Or drop a file onto the window: a mesh (OFF, OBJ, PLY, STL), a sphere-mesh (.ma) or a hierarchy (.smh).");
     return;
   }
   ImGui::SameLine();
-  if (ImGui::Button("Save as...")) ui.dialog = true, ui.saving = true;
+  if (ImGui::Button("Save as...")) ask_for_file(ui, FileUse::Save);
   explain("Ctrl+S");
   ImGui::SameLine();
   if (ImGui::Button("Close")) ui.issue("close");
