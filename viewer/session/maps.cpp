@@ -113,13 +113,13 @@ std::vector<std::array<sdk::Colour, 3>> corner_colours(const sdk::Mesh& mesh, co
   const auto tint = [&](sdk::FaceId face, const sdk::Colour& colour, double strength) {
     for (sdk::Colour& corner : colours[face.index()]) corner = mixed(corner, colour, strength);
   };
-  // Over a map it is but a tint: both are to be seen.
-  constexpr double kTint = 0.35;
+  // Over a map it is but a tint: both are to be seen. Blue is what maps are, too.
+  constexpr double kTint = 0.35, kBlueTint = 0.55;
   const bool plainly = paint.map == MapKind::None;
   // The less alike, the paler: the scores of what is shown spread from faint to full.
   for (const sdk::Match& match : paint.like) {
     const double strength = 0.3 + 0.65 * std::clamp((match.score - 0.5) / 0.5, 0.0, 1.0);
-    for (const sdk::FaceId face : match.faces) tint(face, kLike, plainly ? strength : kTint);
+    for (const sdk::FaceId face : match.faces) tint(face, kLike, plainly ? strength : kBlueTint);
   }
   for (const sdk::FaceId face : paint.selected) tint(face, kSelected, plainly ? 0.9 : kTint);
   for (const sdk::FaceId face : paint.drawn) tint(face, kDrawn, 0.8);

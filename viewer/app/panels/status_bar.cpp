@@ -39,9 +39,12 @@ void draw_job(Ui& ui, const Job& job, bool can_be_cancelled) {
     ImGui::EndDisabled();
     ImGui::SameLine();
   }
-  ImGui::ProgressBar(static_cast<float>(progress.fraction),
-                     {std::min(ui.px(220), 0.4F * ImGui::GetContentRegionAvail().x), 0}, progress.stage.c_str());
-  ImGui::SameLine();
+  const float room = ImGui::GetContentRegionAvail().x, bar = std::min(ui.px(220), 0.4F * room);
+  if (bar > ui.px(60)) {
+    const bool fits = ImGui::CalcTextSize(progress.stage.c_str()).x < bar;
+    ImGui::ProgressBar(static_cast<float>(progress.fraction), {bar, 0}, fits ? progress.stage.c_str() : "");
+    ImGui::SameLine();
+  }
   const std::string title = (job.stopping() ? "stopping: " : "") + job.title();
   ImGui::TextUnformatted(shortened(title, ImGui::GetContentRegionAvail().x).c_str());
 }
