@@ -127,6 +127,29 @@ TEST_F(Hands, CancelWorkHoweverLongItsTitleAndNarrowTheWindow) {
   }
 }
 
+TEST_F(Hands, ReadAllThatTheStatusBarSaysHoweverNarrowTheWindow) {
+  for (const float width : {240.F, 400.F, 800.F}) {
+    for (const char* tool : {"look", "brush", "cut"}) {
+      ASSERT_TRUE(session.execute(std::string("tool ") + tool));
+      for (const char* notice : {"", "a notice of some words that takes several lines where there is no room for it"}) {
+        session.tell(notice);
+        const float height = status_height(ui, width, true);
+        ImGui::GetIO().DisplaySize = {width, 400};
+        float hidden = 1;
+        for (int i = 0; i < 3; ++i) {
+          ImGui::NewFrame();
+          draw_status_bar(ui, {{0, 400 - height}, {width, height}});
+          ImGui::Begin("status");
+          hidden = ImGui::GetScrollMaxY();
+          ImGui::End();
+          ImGui::EndFrame();
+        }
+        EXPECT_EQ(hidden, 0) << width << ", " << tool << ", " << notice;
+      }
+    }
+  }
+}
+
 TEST_F(Hands, FindTheSliderOfEditsAtNothingOnceAnEditIsKeptOrDroppedOrIsAnotherModels) {
   ui.view = {{290, 0}, {310, 764}};
   ImGui::GetIO().DisplaySize = {600, 800};

@@ -1,5 +1,6 @@
 // What the window's view shows of sphere-meshes and meshes, held against exact rays. Skipped where OpenGL is not
 // available.
+#include <atomic>
 #include <cmath>
 #include <random>
 
@@ -326,6 +327,36 @@ TEST_F(TheView, IsPaintedWithMoreCareForAPicture) {
   EXPECT_NE(careful, standing);
   EXPECT_EQ(careful, picture(*fresh, true));
   EXPECT_EQ(careful, picture(*window, false)) << "it need not be painted again";
+}
+
+TEST_F(TheView, LetsWorkBeCancelledInTheSmallestWindow) {
+  session.add(model_of(tangle(1)));
+  ImGui::CreateContext();
+  {
+    const auto app = App::create(session, 1);
+    ASSERT_TRUE(app) << app.error().message;
+    std::atomic<bool> done = false;
+    session.start("reading", [&](const sdk::Task&) -> sdk::Expected<Job::Apply> {
+      done.wait(false);
+      return Job::Apply();
+    });
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {200, 150};
+    io.DeltaTime = 0.02F;
+    static_cast<void>(painted());  // makes the framebuffer
+    for (const bool down : {false, false, true, false}) {
+      io.MousePos = {40, 132};
+      io.MouseDown[ImGuiMouseButton_Left] = down;
+      ImGui_ImplOpenGL3_NewFrame();
+      const auto drawn = (*app)->draw(200, 150, stage()->painter->picture().framebuffer(), false);
+      EXPECT_TRUE(drawn) << drawn.error().message;
+    }
+    EXPECT_TRUE(session.job.stopping());
+    EXPECT_NEAR(session.aspect, 200.0 / 150, 1e-6) << "the view keeps its size";
+    done = true;
+    done.notify_all();
+  }
+  ImGui::DestroyContext();
 }
 
 TEST_F(TheView, OfTwoModelsBearsThatTheSidebarTakesOneAway) {
