@@ -229,6 +229,29 @@ TEST_F(Hands, FindFilesThatHaveJustComeInADialogThatIsAlwaysInTheWindow) {
   std::filesystem::current_path(before);
 }
 
+TEST_F(Hands, ChooseAFileForWhatTheyWereAskedFor) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.KeyMap[ImGuiKey_Enter] = 300;
+  const auto draw = [&] {
+    ImGui::NewFrame();
+    if (ui.dialog) draw_file_dialog(ui);
+    ImGui::EndFrame();
+  };
+  for (const auto& [use, notice] : {std::pair{FileUse::SavePose, "save-pose: begin with `pose` first"},
+                                    std::pair{FileUse::ReplayPose, "replay-pose: begin with `pose` first"}}) {
+    ask_for_file(ui, use);
+    for (int i = 0; i < 3; ++i) draw();
+    io.AddInputCharactersUTF8("none.moves");
+    draw();
+    for (const bool down : {true, false}) {
+      io.KeysDown[300] = down;
+      draw();
+    }
+    EXPECT_EQ(session.notice, notice);
+    EXPECT_FALSE(ui.dialog);
+  }
+}
+
 TEST(Letters, OfManyAlphabetsAreThereWhereTheFontIs) {
   ImGuiContext* context = ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
