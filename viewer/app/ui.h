@@ -115,7 +115,8 @@ void draw_log(Ui& ui);
 /// Where things lie over the city; what there is no room for has no size.
 struct WalkCards {
   Area mirror, speeds, gauges;
-  Area state;  ///< in words, where the sidebar is away
+  Area state;        ///< where the sidebar is away,
+  std::string said;  ///< in words, as many as there is room for
 };
 [[nodiscard]] WalkCards place_walk_cards(const Ui& ui);
 

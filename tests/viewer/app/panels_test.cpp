@@ -374,6 +374,7 @@ TEST_F(Walkers, SeeThemselvesAndTheirSpeedInAnyWindowThatHasRoom) {
           EXPECT_TRUE(apart || all[j].size.x == 0) << where << ": " << i << " over " << j;
         }
       }
+      EXPECT_LT(cards.state.size.y, 0.6F * view.size.y) << where << ": the city is seen, too";
       EXPECT_EQ(cards.state.size.x > 0, view.at.x == 0) << where << ": the sidebar says it, or the view";
       EXPECT_EQ(cards.mirror.size.x > 0, view.size.x >= 320 * scale && view.size.y >= 200 * scale) << where;
       EXPECT_EQ(cards.speeds.size.x > 0, cards.mirror.size.x > 0) << where;

@@ -237,8 +237,14 @@ WalkCards place_walk_cards(const Ui& ui) {
   Area room{{ui.view.at.x + gap, ui.view.at.y + gap}, {ui.view.size.x - 2 * gap, ui.view.size.y - 2 * gap}};
   WalkCards cards;
   if (ui.view.at.x == 0) {  // the sidebar, which tells it, is away
-    const ImVec2 size = ImGui::CalcTextSize(walk.state_in_words().c_str(), nullptr, false, room.size.x - 2 * gap);
-    const float high = std::min(size.y + gap, room.size.y);
+    const float wide = room.size.x - 2 * gap;
+    const auto size_of = [&](const std::string& text) {
+      return ImGui::CalcTextSize(text.c_str(), nullptr, false, wide);
+    };
+    cards.said = walk.state_in_words();
+    if (size_of(cards.said).y > 0.5F * room.size.y) cards.said = shortened(cards.said, wide);  // the city is seen, too
+    const ImVec2 size = size_of(cards.said);
+    const float high = size.y + gap;
     cards.state = {{room.at.x, room.end().y - high}, {std::min(size.x + 2 * gap, room.size.x), high}};
     room.size.y -= high + gap;
   }
@@ -271,7 +277,7 @@ void draw_walk_overlay(Ui& ui) {
     draw_card(draw, cards.state, ui.px(8));
     const float pad = std::min(ui.px(14), 0.04F * ui.view.size.x);
     draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {cards.state.at.x + pad, cards.state.at.y + pad / 2},
-                 theme::kInk, ui.session.walk.state_in_words().c_str(), nullptr, cards.state.size.x - 2 * pad + 1);
+                 theme::kInk, cards.said.c_str(), nullptr, cards.state.size.x - 2 * pad + 1);
   }
   draw.PopClipRect();
 }
