@@ -304,7 +304,7 @@ std::optional<Picked> Session::pick(const ViewPoint& at) const {
   const sdk::Ray ray = camera.ray(at);
   std::optional<Picked> found;
   double nearest = 0;
-  if (model.mesh && looks.mesh != MeshLook::Off) {
+  if (model.mesh && !model.posing && looks.mesh != MeshLook::Off) {  // posed, it does not lie where its tree has it
     if (const auto hit = model.mesh->surface.tree.intersect(ray)) {
       found = Picked{.face = hit->face, .point = ray.origin + hit->t * ray.direction};
       nearest = hit->t;

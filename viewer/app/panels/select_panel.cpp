@@ -104,7 +104,12 @@ void draw_select_panel(Ui& ui) {
     return hint("Faces of meshes are selected: this is a sphere-mesh. Extract a mesh of it first.");
   const Selecting& selecting = session.models[session.active_model]->selecting;
   section("Select");
-  draw_tools(ui);
+  if (session.models[session.active_model]->posing)
+    hint(
+        "Regions are selected at rest, and the mesh is being posed: keep it as a model, or put it back, on the page "
+        "Spheres.");
+  else
+    draw_tools(ui);
   if ((session.tool == Tool::Look || session.tool == Tool::Pose) && selecting.selection.faces().empty() &&
       selecting.reference.empty())
     return;

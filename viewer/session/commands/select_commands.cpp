@@ -53,7 +53,7 @@ void forget_reference(Model& model) {
 }
 
 Done click(Session& session, Arguments& arguments) {
-  const auto model = session.active_mesh();
+  const auto model = session.active_unposed();
   if (!model) return tl::unexpected(model.error());
   const sdk::FaceId face(arguments.count("face", 0, (*model)->mesh->mesh.triangles.size() - 1));
   if (auto checked = arguments.check(); !checked) return checked;
@@ -72,7 +72,7 @@ Done click(Session& session, Arguments& arguments) {
 }
 
 Done cut(Session& session, Arguments& arguments) {
-  const auto active = session.active_mesh();
+  const auto active = session.active_unposed();
   if (!active) return tl::unexpected(active.error());
   const bool again = arguments.choice("cut", {"new", "add"}) == 1;
   auto stroke = arguments.points("stroke", 3, 1);
@@ -123,7 +123,7 @@ Done other_side(Session& session, Arguments& arguments) {
 }
 
 Done brush(Session& session, Arguments& arguments) {
-  const auto active = session.active_mesh();
+  const auto active = session.active_unposed();
   if (!active) return tl::unexpected(active.error());
   const std::size_t how = arguments.choice("brush", {"new", "add", "background"});
   const double radius = arguments.number("radius", 1e-300, 1e300);
@@ -150,7 +150,7 @@ Done brush(Session& session, Arguments& arguments) {
 }
 
 Done lasso(Session& session, Arguments& arguments) {
-  const auto active = session.active_mesh();
+  const auto active = session.active_unposed();
   if (!active) return tl::unexpected(active.error());
   const auto polygon = arguments.points("lasso", 2, 3);
   if (auto checked = arguments.check(); !checked) return checked;
@@ -193,7 +193,7 @@ Done snap(Session& session, Arguments& arguments) {
 
 /// drag-edge FROM TO [SNAP]: lets the boundary of the last region run through another point.
 Done drag_edge(Session& session, Arguments& arguments) {
-  const auto active = session.active_mesh();
+  const auto active = session.active_unposed();
   if (!active) return tl::unexpected(active.error());
   const sdk::Surface& surface = (*active)->mesh->surface;
   const Eigen::Vector3d from = arguments.vector("from"), to = arguments.vector("to");
