@@ -281,7 +281,7 @@ Expected<ReadStatus> CaptureProcess::read(DepthFrame& frame, std::chrono::millis
       case SharedFrames::Read::Frame:
         s.heard = true;
         if (s.good.load(std::memory_order_relaxed)) s.recovery.frame(s.clock->now());
-        s.set_trouble("");
+        if (s.child.running()) s.set_trouble("");  // else it is the last frame of one that ended, and why
         return ReadStatus::Frame;
       case SharedFrames::Read::Torn: s.bad_frames.fetch_add(1, std::memory_order_relaxed); continue;
       case SharedFrames::Read::Nothing: break;

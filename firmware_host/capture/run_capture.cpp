@@ -107,6 +107,7 @@ class Capturing {
 int run_capture(std::string_view uri, pid_t parent, int frames_descriptor, int wake_descriptor) {
   // When our parent is gone, or the thread of it that started us, there is a second to turn the light off and go. Who
   // is gone before this line sends no signal: she is told by her number.
+  ::signal(SIGALRM, SIG_DFL);
   ::signal(SIGUSR1, [](int) { ::alarm(1); });
   ::prctl(PR_SET_PDEATHSIG, SIGUSR1);
   ::signal(SIGPIPE, SIG_IGN);

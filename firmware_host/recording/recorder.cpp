@@ -302,7 +302,7 @@ class Timeline {
 
  private:
   /// The sensor's clock and ours may disagree so far about the time between two frames.
-  static constexpr std::chrono::nanoseconds kJump = 1s;
+  static constexpr std::chrono::nanoseconds kJump = 300ms;
   static constexpr std::chrono::nanoseconds kTick = 1ms;
   bool started_ = false;
   std::chrono::nanoseconds sensor_{0}, host_{0}, time_{0};

@@ -293,6 +293,20 @@ TEST(Recording, GoesOnByTheHostWhereALiveSensorsClockBeginsAnew) {
   expect_replay(folder / "a.oni", frames);
 }
 
+TEST(Recording, KeepsTheGapOfAStreamThatWasRestarted) {
+  const TemporaryDirectory folder;
+  auto frames = sample_frames(16, 12, 6);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].host.time = 100s + static_cast<int>(i) * 40ms + (i >= 3 ? 700ms : 0ms);
+    frames[i].sensor.time = static_cast<int>(i) * 40ms - (i >= 3 ? 40ms - 16ns : 0ms);  // its counter began anew
+  }
+  FrameSource live(frames);
+  live.go_live();
+  ASSERT_EQ(write_recording(folder / "a.oni", live).value(), 6U);
+  for (auto& frame : frames) frame.sensor.time = frame.host.time;
+  expect_replay(folder / "a.oni", frames);
+}
+
 TEST(Recording, NamesWhyItCannotBeWritten) {
   const TemporaryDirectory folder;
   const auto frames = sample_frames(16, 12, 1);

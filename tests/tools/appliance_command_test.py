@@ -13,6 +13,9 @@ import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
+from free_ports import four_free_ports  # noqa: E402
+
 BUILD = Path(sys.argv.pop(1)).resolve()
 ARMATURE = BUILD / "bin" / "armature"
 ARMATURED = BUILD / "bin" / "armatured"
@@ -95,10 +98,11 @@ class Doctor(unittest.TestCase):
                 self.assertNotIn("in order", "".join(f["found"] for f in findings if f["what"] == "config"))
 
     def test_finds_that_a_port_is_taken_unless_it_is_the_daemons(self):
+        first = four_free_ports()
         with tempfile.TemporaryDirectory() as folder:
             config = Path(folder, "kiosk.toml")
             config.write_text("[source]\nuri = 'synth:stand?size=160x120'\n"
-                              "[publish]\nendpoint = 'tcp://127.0.0.1:24740'\ninsecure = true\n"
+                              f"[publish]\nendpoint = 'tcp://127.0.0.1:{first}'\ninsecure = true\n"
                               f"[control]\nendpoint = 'ipc://{folder}/nav'\n")
 
             def endpoint():
@@ -106,8 +110,8 @@ class Doctor(unittest.TestCase):
                 return [f for f in map(json.loads, found.stdout.splitlines())
                         if f["what"] == "endpoint" and f["kind"] != "note"]
 
-            self.assertEqual([f["found"] for f in endpoint()], ["tcp://127.0.0.1:24740 can be had"])
-            for port in (24740, 24743):
+            self.assertEqual([f["found"] for f in endpoint()], [f"tcp://127.0.0.1:{first} can be had"])
+            for port in (first, first + 3):
                 with socket.create_server(("127.0.0.1", port)):
                     taken = endpoint()
                 self.assertEqual([f["kind"] for f in taken], ["problem"])

@@ -23,8 +23,7 @@ using namespace std::chrono_literals;
 /// subscribers stop by themselves. A slow sensor gets two and a half of its frames, if they come so soon.
 constexpr std::chrono::nanoseconds kSilence = 150ms;
 constexpr std::chrono::nanoseconds kLongestSilence = 200ms;
-/// A sensor of which no more than this share of pixels sees anything for so long is blind.
-constexpr double kNoSight = 1e-3;
+/// A sensor that shows nothing for so long is blind.
 constexpr std::chrono::nanoseconds kBlindAfter = 5s;
 constexpr auto kBlind = "sees nothing: is the lens covered, the projector off, the sun on it, or all too near?";
 constexpr std::chrono::nanoseconds kHealthInterval = 1s;
@@ -140,7 +139,8 @@ void Daemon::State::compare_background(const Intrinsics& image) {
 }
 
 void Daemon::State::watch_sight() {
-  if (silent || guard.seen_share() > kNoSight) last_sight = last_frame;
+  metrics.source_blind.store(blind, std::memory_order_relaxed);
+  if (guard.sees() || (silent && !blind)) last_sight = last_frame;
   if (blind == (last_frame - last_sight > kBlindAfter)) return;
   blind = !blind;
   metrics.source_blind.store(blind, std::memory_order_relaxed);
@@ -280,6 +280,7 @@ void Daemon::State::watch_source(bool good_frame) {
   blames_frames = source.trouble.empty() && refused_for != nullptr;
   guard.start_over();
   metrics.source_alive.store(false, std::memory_order_relaxed);
+  metrics.source_blind.store(false, std::memory_order_relaxed);
   metrics.stops.fetch_add(1, std::memory_order_relaxed);
   if (last_state == EngagementState::Engaged) note_state(EngagementState::Lost);
   stop_camera(wire::StopReason::SourceFailed);

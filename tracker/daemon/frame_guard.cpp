@@ -49,7 +49,7 @@ const char* FrameGuard::complaint(const DepthView& frame) noexcept {
   }
   if (wrong * kWrongShare > looked_at) return "a garbage frame";
   if (image != std::exchange(image_, image)) image_since_ = frame.host.time;
-  if (seen > 0 && frame.host.time - image_since_ >= kFrozen) return "a frozen image";
+  if (shows(seen, looked_at) && frame.host.time - image_since_ >= kFrozen) return "a frozen image";
   if (frame.sensor.time == std::exchange(last_time_, frame.sensor.time)) return "a clock that stands still";
 
   const char* odd = nullptr;

@@ -14,18 +14,23 @@ namespace armature {
 /// never is. Thread-safe: no. Realtime-safe: yes.
 class FrameGuard {
  public:
+  /// An image of which no more than this share of pixels sees anything shows nothing.
+  static constexpr double kNoSight = 1e-3;
+
   /// Null for a good frame, else what is wrong with it, in a word or two.
   [[nodiscard]] const char* complaint(const DepthView& frame) noexcept;
 
-  /// The share of the last good frame's pixels that see anything, of those looked at; 1 before any.
-  [[nodiscard]] double seen_share() const noexcept {
-    return looked_at_ == 0 ? 1.0 : static_cast<double>(seen_pixels_) / static_cast<double>(looked_at_);
-  }
+  /// Whether the last good frame showed something; true before any.
+  [[nodiscard]] bool sees() const noexcept { return looked_at_ == 0 || shows(seen_pixels_, looked_at_); }
 
   /// The stream has been interrupted: the next frame may be anything that is consistent in itself.
   void start_over() noexcept { known_ = false; }
 
  private:
+  [[nodiscard]] static bool shows(std::int64_t seen, std::int64_t looked_at) noexcept {
+    return static_cast<double>(seen) > kNoSight * static_cast<double>(looked_at);
+  }
+
   bool known_ = false;
   Intrinsics intrinsics_;
   std::chrono::nanoseconds sensor_{0}, host_{0};

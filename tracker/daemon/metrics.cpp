@@ -71,7 +71,7 @@ std::string prometheus_text(const Metrics& metrics, std::string_view version) {
       version);
   say("frames_total", "counter", "Frames tracked.", metrics.frames.load());
   say("frames_dropped_total", "counter", "Frames overtaken by a newer one.", metrics.dropped.load());
-  say("frames_refused_total", "counter", "Torn or garbage frames, and jumps of the sensor's clock.",
+  say("frames_refused_total", "counter", "Torn, garbage or frozen frames, and clocks that jump or stand still.",
       metrics.bad_frames.load());
   say("source_alive", "gauge", "Whether good frames come.", metrics.source_alive.load() ? 1 : 0);
   say("source_blind", "gauge", "Whether good frames come that show nothing.", metrics.source_blind.load() ? 1 : 0);

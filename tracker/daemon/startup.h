@@ -28,7 +28,8 @@ struct Refusal {
 };
 
 /// All that would keep a daemon from starting with this configuration, but for its model and for what only trying tells
-/// (whether a port is free). The source is not looked at where it is `running_source`.
+/// (whether a port is free, which device a URI names behind its scheme). The source is not looked at where it is
+/// `running_source`.
 [[nodiscard]] std::vector<Refusal> refusals(const Config& config, std::string_view running_source = {});
 
 }  // namespace armature

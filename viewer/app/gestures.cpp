@@ -157,6 +157,7 @@ void issue_gesture(Ui& ui, const Gesture& gesture) {
   const Session& session = ui.session;
   if (session.models.empty() || gesture.model.lock() != session.models[session.active_model])
     return ui.tell("another model came up meanwhile; draw again");
+  if (session.models[session.active_model]->posing && gesture.tool != Tool::Pose) return ui.tell(kPutBackFirst);
   const Points& points = gesture.points;
   const bool beside = points.empty();
   const auto miss = [&] { ui.tell("that stroke was beside the model; begin on it"); };

@@ -112,7 +112,9 @@ void take_back_or_do_again(Ui& ui, bool again) {
   if (ui.session.panel != Panel::Edit) {
     ui.issue("{}", again ? "redo" : "undo");
   } else if (!again) {
-    ui.issue("undo-edit");
+    const auto& models = ui.session.models;
+    const bool tries = !models.empty() && models[ui.session.active_model]->editing.tried;
+    ui.issue("{}", tries ? "drop-edit" : "undo-edit");
   }
 }
 

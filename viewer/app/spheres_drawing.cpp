@@ -24,13 +24,13 @@ sdk::SphereMesh flat(sdk::SphereMesh shape) {
 }  // namespace
 
 std::vector<std::shared_ptr<const Scene>> SpheresDrawing::make(const sdk::Sphere& frame, const sdk::SphereMesh& shape,
-                                                               SpheresLook look) const {
+                                                               SpheresLook look, std::size_t coarse_cells) {
   const bool surface = look == SpheresLook::Surface;
   auto fine = std::make_shared<Scene>(frame, kShapePalette);
   fine->add(shape, {.shape = surface ? SphereMeshStyle::Shape::Surface : SphereMeshStyle::Shape::Structure});
-  if (2 * shape.triangles.size() <= most_fluent_facets_) return {fine};
+  if (coarse_cells == 0) return {fine};
   auto coarse = std::make_shared<Scene>(frame, kFacetPalette);
-  coarse->add(coarse_mesh(facets(surface ? shape : flat(shape)), coarse_cells_).mesh);
+  coarse->add(coarse_mesh(facets(surface ? shape : flat(shape)), coarse_cells).mesh);
   return {fine, coarse};
 }
 
@@ -61,17 +61,19 @@ void SpheresDrawing::follow(const std::shared_ptr<const Model>& model, SpheresLo
   if (at_once || shape->spheres.size() <= most_at_once_) {
     rest();
     std::vector<Drawing> drawings;
-    for (const auto& scene : make(model->around(), *shape, look)) drawings.emplace_back(*scene);
+    for (const auto& scene : make(model->around(), *shape, look, coarse_cells_of(*shape)))
+      drawings.emplace_back(*scene);
     return show(std::move(drawings), key);
   }
   if (making() || (failed_ && asked_ == key)) return;
   failed_ = false;
   asked_ = key;
-  making_.start("drawing", [this, frame = model->around(), shape, look](const sdk::Task&) {
-    return sdk::Expected<Job::Apply>([this, scenes = make(frame, *shape, look)] {
-      for (const auto& scene : scenes) sending_.emplace_back(scene);
-    });
-  });
+  making_.start("drawing",
+                [this, frame = model->around(), shape, look, cells = coarse_cells_of(*shape)](const sdk::Task&) {
+                  return sdk::Expected<Job::Apply>([this, scenes = make(frame, *shape, look, cells)] {
+                    for (const auto& scene : scenes) sending_.emplace_back(scene);
+                  });
+                });
 }
 
 }  // namespace armature::viewer

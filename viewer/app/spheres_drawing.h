@@ -43,8 +43,13 @@ class SpheresDrawing : public BackgroundDrawing {
     friend bool operator==(const Key&, const Key&) = default;
   };
   /// The coarse one last, where there is one.
-  [[nodiscard]] std::vector<std::shared_ptr<const Scene>> make(const sdk::Sphere& frame, const sdk::SphereMesh& shape,
-                                                               SpheresLook look) const;
+  [[nodiscard]] static std::vector<std::shared_ptr<const Scene>> make(const sdk::Sphere& frame,
+                                                                      const sdk::SphereMesh& shape, SpheresLook look,
+                                                                      std::size_t coarse_cells);
+  /// 0: no coarse one.
+  [[nodiscard]] std::size_t coarse_cells_of(const sdk::SphereMesh& shape) const noexcept {
+    return 2 * shape.triangles.size() > most_fluent_facets_ ? coarse_cells_ : 0;
+  }
   void show(std::vector<Drawing> drawings, const Key& key);
 
   std::size_t most_at_once_, most_fluent_facets_, coarse_cells_;

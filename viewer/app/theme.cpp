@@ -21,8 +21,11 @@ constexpr std::array<Face, 2> kFaces = {{
 /// What files may be called: Latin letters and their extensions, Greek, Cyrillic; and punctuation.
 constexpr std::array<ImWchar, 9> kLetters = {0x20, 0x24F, 0x370, 0x3FF, 0x400, 0x52F, 0x2010, 0x205E, 0};
 
-ImFont* heading_font = nullptr;
-ImFont* large_font = nullptr;
+/// In the order of `load_fonts()`; its first where there is but one.
+ImFont* font(int which) {
+  const auto& fonts = ImGui::GetIO().Fonts->Fonts;
+  return fonts[which < fonts.Size ? which : 0];
+}
 
 void load_fonts(float scale) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
@@ -31,13 +34,13 @@ void load_fonts(float scale) {
     if (!std::filesystem::exists(face.regular, error) || !std::filesystem::exists(face.bold, error)) continue;
     // Whole pixels keep letters sharp.
     atlas.AddFontFromFileTTF(face.regular, std::round(15 * scale), nullptr, kLetters.data());
-    heading_font = atlas.AddFontFromFileTTF(face.bold, std::round(15 * scale));
-    large_font = atlas.AddFontFromFileTTF(face.bold, std::round(24 * scale));
+    atlas.AddFontFromFileTTF(face.bold, std::round(15 * scale));
+    atlas.AddFontFromFileTTF(face.bold, std::round(24 * scale));
     return;
   }
   ImFontConfig config;
   config.SizePixels = std::round(13 * scale);
-  heading_font = large_font = atlas.AddFontDefault(&config);
+  atlas.AddFontDefault(&config);
 }
 
 ImVec4 colour(ImU32 packed) {
@@ -91,11 +94,11 @@ void apply(float scale) {
 }
 
 ImFont* heading() {
-  return heading_font;
+  return font(1);
 }
 
 ImFont* large() {
-  return large_font;
+  return font(2);
 }
 
 }  // namespace armature::viewer::theme

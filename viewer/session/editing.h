@@ -17,6 +17,7 @@
 namespace armature::viewer {
 
 class MeshShape;
+struct SphereShape;
 
 /// By what vertices are compared: growing least squares, heat and wave kernel signatures, patch shape contexts.
 enum class Likeness : std::uint8_t { Gls, Hks, Wks, Psc };
@@ -49,11 +50,12 @@ struct EditPlaces {
   ///@}
 };
 
-/// A mesh with the normals to shade its corners with, by FaceId, and a sphere around it.
+/// What an edit makes of a mesh, with the normals to shade its corners with, by FaceId, and a sphere around it.
 struct ShadedMesh {
   sdk::Mesh mesh;
   std::vector<std::array<Eigen::Vector3d, 3>> normals;
   sdk::Sphere around;
+  Edit by;
 };
 
 /// How a mesh is being edited.
@@ -63,7 +65,12 @@ struct Editing {
   std::vector<float> similarity = {};              ///< [V], to what was compared last; or empty
   sdk::Transfer transfer{.from = 0.1, .to = 0.9};  ///< what becomes of it before it weighs
   std::shared_ptr<const ShadedMesh> tried = {};    ///< shown instead of the mesh, until it is kept or dropped; or none
-  std::vector<std::shared_ptr<const MeshShape>> before = {};  ///< the edits that were kept, to go back
+  /// What an edit that was kept replaced: the mesh, and its spheres, or none.
+  struct Replaced {
+    std::shared_ptr<const MeshShape> mesh;
+    std::shared_ptr<SphereShape> spheres;
+  };
+  std::vector<Replaced> before = {};  ///< the edits that were kept, to go back
 };
 
 /// Describes every vertex; `radius` is what patch shape contexts look at.

@@ -94,12 +94,18 @@ void Model::set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::
   set_refined(std::make_shared<const sdk::SphereMesh>(spheres->cursor->sphere_mesh()));
 }
 
-std::shared_ptr<const void> Model::take_spheres() {
+std::shared_ptr<SphereShape> Model::take_spheres() {
   if (!spheres) return nullptr;
   auto taken = std::make_shared<SphereShape>(std::move(*spheres));
   spheres.reset();
   ++spheres_revision;
   return taken;
+}
+
+void Model::put_spheres(std::shared_ptr<SphereShape> taken) {
+  spheres.reset();
+  if (taken) spheres = std::move(*taken);
+  ++spheres_revision;
 }
 
 void Model::lay(std::shared_ptr<const Pose> as) {
@@ -112,7 +118,9 @@ void Model::lay(std::shared_ptr<const Pose> as) {
 
 void Model::preview(std::shared_ptr<const Pose> as) {
   previewed = std::move(as);
-  set_refined((previewed ? previewed : pose)->shape);
+  const Pose& shown = *(previewed ? previewed : pose);
+  set_refined(shown.shape);
+  spheres->tree = shown.tree;
   ++mesh_revision;
 }
 
@@ -125,11 +133,14 @@ sdk::Sphere Model::around() const {
   return mesh ? mesh->around : spheres ? spheres->around : sdk::Sphere{Eigen::Vector3d::Zero(), 1};
 }
 
+sdk::Sphere Model::lasting_extent() const {
+  return posing ? pose->around : extent();
+}
+
 sdk::Sphere Model::extent() const {
+  if (posing) return (previewed ? previewed : pose)->around;
   if (!mesh) return around();
-  const sdk::Sphere& shown = posing          ? (previewed ? previewed : pose)->around
-                             : editing.tried ? editing.tried->around
-                                             : mesh->around;
+  const sdk::Sphere& shown = editing.tried ? editing.tried->around : mesh->around;
   return spheres ? widened(shown, spheres->around) : shown;
 }
 

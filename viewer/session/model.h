@@ -86,7 +86,7 @@ struct Selecting {
   std::vector<sdk::FaceId> reference;           ///< its faces, ascending
   std::optional<sdk::Expansion> expansion;      ///< what is like it, once it was looked for
   std::size_t shown = 0;                        ///< the best matches that are shown,
-  std::vector<std::size_t> shown_before;        ///< and were before each verdict on them
+  std::vector<int> more_shown;                  ///< and how many more since each verdict, by the verdict itself
   std::vector<sdk::FaceId> drawn;               ///< what the gesture that goes on would select; no command knows it
   std::shared_ptr<const sdk::PartModel> parts;  ///< of the cut
   std::shared_ptr<const sdk::PartCut> cut;      ///< whose strokes go on
@@ -129,7 +129,9 @@ struct Model {
   void set_refined(std::shared_ptr<const sdk::SphereMesh> shape);
   void set_hierarchy(std::shared_ptr<const sdk::Hierarchy> hierarchy, std::size_t spheres);
   /// Has no spheres any more; what they were, which may take a while to go, or none.
-  std::shared_ptr<const void> take_spheres();
+  std::shared_ptr<SphereShape> take_spheres();
+  /// Has these instead of any; or none.
+  void put_spheres(std::shared_ptr<SphereShape> taken);
   ///@{
   /// Shows spheres and mesh as they lie from now on; as they would lie, or no longer.
   void lay(std::shared_ptr<const Pose> as);
@@ -141,6 +143,8 @@ struct Model {
   [[nodiscard]] sdk::Sphere around() const;
   /// One that holds all that is shown of it: posed, edited, and its spheres.
   [[nodiscard]] sdk::Sphere extent() const;
+  /// The same without what is previewed, which no command knows.
+  [[nodiscard]] sdk::Sphere lasting_extent() const;
   /// For picking; there must be spheres.
   [[nodiscard]] const sdk::SphereMeshTree& sphere_tree();
 };

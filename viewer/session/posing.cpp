@@ -24,15 +24,17 @@ Posing::Posing(std::shared_ptr<const MeshShape> mesh, std::shared_ptr<const sdk:
                sdk::DeformationSession session)
     : rest_(std::move(mesh)), hierarchy_(std::move(hierarchy)), session_(std::move(session)) {}
 
-std::shared_ptr<Pose> Posing::pose() const {
+std::shared_ptr<Pose> Posing::pose(bool to_stay) const {
   auto pose = std::make_shared<Pose>();
   pose->mesh = rest_->mesh;
   pose->mesh.positions.assign(session_.positions().begin(), session_.positions().end());
-  pose->around = sphere_around(pose->mesh);
   pose->shape = std::make_shared<const sdk::SphereMesh>(session_.shape());
+  pose->around = widened(sphere_around(pose->mesh), sphere_around(*pose->shape));
   for (std::size_t sphere = 0; sphere < pose->shape->spheres.size(); ++sphere)
     pose->pinned.push_back(session_.is_pinned(sdk::SphereId(sphere)));
   pose->steps = session_.steps();
+  if (to_stay && pose->shape->spheres.size() > kFewSpheres)
+    pose->tree = std::make_shared<const sdk::SphereMeshTree>(*pose->shape);
   return pose;
 }
 
@@ -40,9 +42,7 @@ template <class Step>
 Posing::Laid Posing::after(const Step& step) {
   const std::lock_guard lock(mutex_);
   if (sdk::Expected<void> done = step(); !done) return tl::unexpected(done.error());
-  auto lies = pose();
-  if (lies->shape->spheres.size() > kFewSpheres) lies->tree = std::make_shared<const sdk::SphereMeshTree>(*lies->shape);
-  return lies;
+  return pose(true);
 }
 
 std::string Posing::text() const {
@@ -52,7 +52,7 @@ std::string Posing::text() const {
 
 Posing::Laid Posing::lies() const {
   const std::lock_guard lock(mutex_);
-  return pose();
+  return pose(true);
 }
 
 Posing::Laid Posing::move(const sdk::SphereMove& move) {
@@ -62,7 +62,7 @@ Posing::Laid Posing::move(const sdk::SphereMove& move) {
 Posing::Laid Posing::preview(const sdk::SphereMove& move) {
   const std::lock_guard lock(mutex_);
   if (const auto done = session_.preview(move); !done) return tl::unexpected(done.error());
-  return pose();
+  return pose(false);
 }
 
 Posing::Laid Posing::go_to(std::size_t spheres) {

@@ -19,7 +19,7 @@ namespace armature::viewer {
 struct Pose {
   sdk::Mesh mesh = {};
   std::shared_ptr<const sdk::SphereMesh> shape = {};  ///< the spheres of the level
-  sdk::Sphere around = {};                            ///< holds the mesh
+  sdk::Sphere around = {};                            ///< holds mesh and spheres
   std::vector<bool> pinned = {};                      ///< by sphere
   /// Of the spheres, or none: that of few is made when it is asked for, and that of a preview not at all.
   std::shared_ptr<const sdk::SphereMeshTree> tree = {};
@@ -64,7 +64,7 @@ class Posing {
   /// Carries out what returns whether it could be.
   template <class Step>
   Laid after(const Step& step);
-  [[nodiscard]] std::shared_ptr<Pose> pose() const;
+  [[nodiscard]] std::shared_ptr<Pose> pose(bool to_stay) const;
 
   std::shared_ptr<const MeshShape> rest_;
   std::shared_ptr<const sdk::Hierarchy> hierarchy_;

@@ -242,7 +242,7 @@ sdk::Expected<Model*> Session::active_spheres() {
 sdk::Expected<std::shared_ptr<Model>> Session::active_unposed() {
   const auto model = active_mesh();
   if (!model) return tl::unexpected(model.error());
-  if ((*model)->posing) return sdk::fail("put the mesh back, or keep it as a model, first: `unpose` or `bake`");
+  if ((*model)->posing) return sdk::fail(kPutBackFirst);
   return models[active_model];
 }
 
@@ -283,9 +283,9 @@ void Session::show_map(Model& on, MapKind map, std::vector<float> values) {
 }
 
 void Session::see_all() {
-  sdk::Sphere all = models.empty() ? around() : models[active_model]->extent();
+  sdk::Sphere all = models.empty() ? around() : models[active_model]->lasting_extent();
   const Model* second = other();
-  if (second != nullptr) all = widened(all, second->extent());
+  if (second != nullptr) all = widened(all, second->lasting_extent());
   camera.fit(all, second != nullptr ? aspect / 2 : aspect);
 }
 

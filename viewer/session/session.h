@@ -21,6 +21,9 @@
 
 namespace armature::viewer {
 
+/// What there is to say where something needs the mesh at rest, and it is being posed.
+inline constexpr const char* kPutBackFirst = "put the mesh back, or keep it as a model, first: `unpose` or `bake`";
+
 /// What goes on while a level is made that has many spheres.
 inline constexpr const char* kLevelTitle = "changing the level";
 

@@ -234,6 +234,35 @@ TEST_F(DaemonTest, ASensorThatSeesNothingIsSaidToUntilItSeesAgain) {
                                                 "a sensor sees again"}));
 }
 
+TEST_F(DaemonTest, WhoIsLostAndComesBackBlindDoesNotSeeAgain) {
+  using Stumble = SensorThatStumbles::Stumble;
+  const auto clock = std::make_shared<ManualClock>();
+  auto options = options_for("a sensor", true);
+  options.clock = clock;
+  std::stop_source stop;
+  navproto::NavSubscriber nav(endpoint_);
+  int shown = 0;
+  options.source = std::make_unique<SensorThatStumbles>(clock, [&] {
+    if (shown == 0 && !nav.health()) {
+      std::this_thread::sleep_for(5ms);
+      return Stumble::No;
+    }
+    if (++shown == 260) stop.request_stop();
+    return shown < 200 || shown > 230 ? Stumble::Darkness : Stumble::Silence;
+  });
+  auto daemon = Daemon::create(std::move(options));
+  ASSERT_TRUE(daemon) << daemon.error().message;
+  ASSERT_TRUE((*daemon)->run(stop.get_token()));
+  EXPECT_TRUE((*daemon)->metrics().source_blind.load());
+  std::vector<std::string> events;
+  EXPECT_TRUE(eventually([&] {
+    for (const auto& event : nav.take_events()) events.push_back(event.text);
+    return !events.empty() && events.back() == "asked to stop";
+  }));
+  EXPECT_EQ(std::ranges::count(events, "good frames come again"), 1);
+  EXPECT_EQ(std::ranges::count(events, "a sensor sees again"), 0);
+}
+
 TEST_F(DaemonTest, NobodySteersByAnImageThatIsFrozen) {
   using Stumble = SensorThatStumbles::Stumble;
   const auto clock = std::make_shared<ManualClock>();

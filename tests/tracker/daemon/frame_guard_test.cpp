@@ -65,6 +65,25 @@ TEST(FrameGuard, NothingThatStandsStillIsEverNormal) {
   EXPECT_EQ(next(), "") << "who sees nothing sees it without noise";
 }
 
+TEST(FrameGuard, ACoveredLensIsBlindNotFrozen) {
+  FrameGuard guard;
+  DepthFrame frame;
+  frame.intrinsics = {640, 480, 500, 500, 320, 240};
+  frame.depth_mm.assign(640 * 480, 0);
+  frame.depth_mm[640 * 80 + 7] = 2000;  // a pixel that always says so, in a row that is looked at
+  for (int i = 0; i < 20; ++i) {
+    frame.sensor.time += 33ms;
+    frame.host.time += 33ms;
+    EXPECT_EQ(guard.complaint(frame.view()), nullptr);
+    EXPECT_FALSE(guard.sees());
+  }
+  frame.depth_mm.assign(640 * 480, 2000);
+  frame.sensor.time += 33ms;
+  frame.host.time += 33ms;
+  EXPECT_EQ(guard.complaint(frame.view()), nullptr);
+  EXPECT_TRUE(guard.sees());
+}
+
 TEST(FrameGuard, CallsASmallerImageWhatItIs) {
   FrameGuard guard;
   DepthFrame frame;

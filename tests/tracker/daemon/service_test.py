@@ -12,6 +12,9 @@ import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "support"))
+from free_ports import four_free_ports  # noqa: E402
+
 SOURCE = Path(sys.argv.pop(2)).resolve()
 BUILD = Path(sys.argv.pop(1)).resolve()
 MOST_EXPOSURE = 2.0
@@ -105,8 +108,9 @@ class Log(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             config = Path(folder, "kiosk.toml")
             config.write_text(f"[publish]\ninsecure = true\n[control]\nendpoint = 'ipc://{folder}/nav'\n")
-            program = Program(folder, "--quiet", "--config", config, endpoint="tcp://127.0.0.1:24720", journal=True)
-            self.assertIn("<3>tcp://127.0.0.1:24720 is insecure", program.read_until("insecure"))
+            endpoint = f"tcp://127.0.0.1:{four_free_ports()}"
+            program = Program(folder, "--quiet", "--config", config, endpoint=endpoint, journal=True)
+            self.assertIn(f"<3>{endpoint} is insecure", program.read_until("insecure"))
             self.assertEqual(program.end(), 0)
             self.assertEqual(program.read_until("nothing else"), "")
             os.close(program.reader)

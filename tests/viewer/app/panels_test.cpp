@@ -296,7 +296,7 @@ class Walkers : public ::testing::Test {
     std::filesystem::remove_all(folder);
   }
   void hear(navproto::NavigationMessage message) {
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < 60'000; ++i) {
       ASSERT_TRUE(publisher->publish_navigation(message));
       session.update(session.now + std::chrono::milliseconds(1));
       const auto& heard = session.walk.navigation();

@@ -355,6 +355,7 @@ TEST_F(TheView, LetsWorkBeCancelledInTheSmallestWindow) {
     EXPECT_NEAR(session.aspect, 200.0 / 150, 1e-6) << "the view keeps its size";
     done = true;
     done.notify_all();
+    while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
   }
   ImGui::DestroyContext();
 }

@@ -29,13 +29,12 @@ constexpr std::array<Choice, 6> kByRegions = {{{EditOp::Displace, "Push out or i
                                                {EditOp::Copy, "Give all the same shape", 0, 1, ""},
                                                {EditOp::Alike, "More alike, or less", -1, 1, "%.2f"}}};
 
-/// What the sliders are at, and what was issued last: an edit follows its slider as fast as it is computed.
+/// What the sliders are at, and what they showed last: an edit follows its slider as fast as it is computed.
 struct Wanted {
   int where = 0, op = 0;
   float amount = 0;
   bool waits = false;
-  std::string line = {};                  // the last one,
-  std::weak_ptr<const Model> model = {};  // and on what
+  std::weak_ptr<const ShadedMesh> seen = {};  // the last one that was tried; or none
   float from = 0.1F, to = 0.9F;
 };
 
@@ -47,27 +46,20 @@ bool is_percent(EditOp op) {
   return op != EditOp::Sharpen && op != EditOp::Alike;
 }
 
-/// The panel shows the edit that was carried out last, a script's too; none, once it was kept, dropped or taken back.
+/// The panel shows the edit that is tried, a script's too; none, once it was kept, dropped or taken back.
 void follow(const Session& session, Wanted& wanted) {
-  if (const auto& model = session.models[session.active_model]; wanted.model.lock() != model) {
-    wanted.model = model;
-    wanted.amount = 0;
-    wanted.waits = false;
-  }
-  if (wanted.waits || session.log().empty() || session.log().back() == wanted.line) return;
-  wanted.line = session.log().back();
-  const auto words = split_words(wanted.line);
-  if (!words || words->empty()) return;
-  const std::string& name = words->front();
-  if (name == "keep-edit" || name == "drop-edit" || name == "undo-edit") wanted.amount = 0;
-  if (words->size() != 4 || name != "edit") return;
-  wanted.where = (*words)[3] == "regions" ? 1 : 0;
+  const auto& tried = session.models[session.active_model]->editing.tried;
+  const bool same = !wanted.seen.owner_before(tried) && !tried.owner_before(wanted.seen);
+  if (wanted.waits || session.job.running() || same) return;
+  wanted.seen = tried;
+  wanted.amount = 0;
+  if (!tried) return;
+  wanted.where = tried->by.regions ? 1 : 0;
   const auto choices = choices_of(wanted.where);
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (kEditOps[static_cast<std::size_t>(choices[i].op)] != (*words)[1]) continue;
-    wanted.op = static_cast<int>(i);
-    wanted.amount = std::strtof((*words)[2].c_str(), nullptr) * (is_percent(choices[i].op) ? 100 : 1);
-  }
+  const auto chosen = std::ranges::find(choices, tried->by.op, &Choice::op);
+  if (chosen == choices.end()) return;
+  wanted.op = static_cast<int>(chosen - choices.begin());
+  wanted.amount = static_cast<float>(tried->by.amount) * (is_percent(chosen->op) ? 100 : 1);
 }
 
 void draw_alike(Ui& ui, const Model& model) {

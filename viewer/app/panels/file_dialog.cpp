@@ -86,9 +86,12 @@ void choose(Ui& ui, FileDialog& dialog, const fs::path& name) {
 }  // namespace
 
 void ask_for_file(Ui& ui, FileUse use) {
+  const bool of_moves = use_of(ui).of_moves;
   ui.dialog = true;
   ui.file_use = use;
-  if (ui.files) ui.files->listed.clear();  // others may have changed it since
+  if (!ui.files) return;
+  ui.files->listed.clear();  // others may have changed it since
+  if (use_of(ui).of_moves != of_moves) ui.files->name.fill(0);
 }
 
 void draw_file_dialog(Ui& ui) {

@@ -249,7 +249,8 @@ WalkCards place_walk_cards(const Ui& ui) {
     room.size.y -= high + gap;
   }
   if (!walk.connected() || room.size.x < ui.px(290) || room.size.y < ui.px(100)) return cards;
-  const float width = std::min(ui.px(250), std::max(ui.px(100), 0.28F * room.size.x)), high = ui.px(70);
+  const float high = ui.px(70);
+  const float width = std::min({ui.px(250), std::max(ui.px(100), 0.28F * room.size.x), ui.depth_aspect * room.size.y});
   cards.mirror = {{room.end().x - width, room.at.y}, {width, width / ui.depth_aspect}};
   const float below = room.size.y - cards.mirror.size.y - gap, left = room.size.x - width - gap;
   cards.speeds = {{room.at.x, room.end().y - high}, {std::min(ui.px(230), below < high ? left : room.size.x), high}};

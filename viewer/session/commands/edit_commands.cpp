@@ -97,7 +97,7 @@ Done edit(Session& session, Arguments& arguments) {
         if (!mesh) return tl::unexpected(mesh.error());
         auto normals = corner_normals(*mesh, MeshStyle().crease_rad);
         const sdk::Sphere around = sphere_around(*mesh);
-        auto tried = std::make_shared<const ShadedMesh>(ShadedMesh{std::move(*mesh), std::move(normals), around});
+        auto tried = std::make_shared<const ShadedMesh>(ShadedMesh{std::move(*mesh), std::move(normals), around, what});
         return Job::Apply([&session, what, model, tried] {
           session.discard(std::exchange(model->editing.tried, tried));
           ++model->mesh_revision;
@@ -135,7 +135,7 @@ Done keep_edit(Session& session, Arguments& arguments) {
   session.start("keeping the edit", [&session, model = *found](const sdk::Task&) -> sdk::Expected<Job::Apply> {
     auto mesh = std::make_shared<const MeshShape>(model->editing.tried->mesh);
     return Job::Apply([&session, model, mesh] {
-      model->editing.before.push_back(model->mesh);
+      model->editing.before.push_back({model->mesh, model->take_spheres()});
       change_mesh(session, *model, mesh);
     });
   });
@@ -157,9 +157,10 @@ Done undo_edit(Session& session, Arguments& arguments) {
   if (!found) return tl::unexpected(found.error());
   auto& before = (*found)->editing.before;
   if (before.empty()) return sdk::fail("no edit was kept yet");
-  auto mesh = std::move(before.back());
+  Editing::Replaced replaced = std::move(before.back());
   before.pop_back();
-  change_mesh(session, **found, std::move(mesh));
+  change_mesh(session, **found, std::move(replaced.mesh));
+  (*found)->put_spheres(std::move(replaced.spheres));
   return {};
 }
 

@@ -29,7 +29,7 @@ void selection_changed(Model& model) {
 void forget_matches(Selecting& selecting) {
   selecting.expansion.reset();
   selecting.shown = 0;
-  selecting.shown_before.clear();
+  selecting.more_shown.clear();
 }
 
 /// What a gesture selected joins the selection, and becomes what others are compared with. `again`: it refines the last
@@ -276,7 +276,7 @@ Done accept(Session& session, Arguments& arguments) {
   const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->accept(place - 1);
-  selecting.shown_before.push_back(selecting.shown);
+  selecting.more_shown.push_back(selecting.shown == 0 ? 1 : 0);
   selecting.shown = std::max<std::size_t>(selecting.shown, 1);
   ++(*model)->colour_revision;
   return {};
@@ -289,7 +289,7 @@ Done reject(Session& session, Arguments& arguments) {
   const std::size_t place = arguments.count("match", 1, selecting.expansion->size());
   if (auto checked = arguments.check(); !checked) return checked;
   selecting.expansion->reject(place - 1);
-  selecting.shown_before.push_back(selecting.shown);
+  selecting.more_shown.push_back(place <= selecting.shown ? -1 : 0);
   if (place <= selecting.shown) --selecting.shown;
   ++(*model)->colour_revision;
   return {};
@@ -301,8 +301,10 @@ Done reconsider(Session& session, Arguments& arguments) {
   if (!model) return tl::unexpected(model.error());
   Selecting& selecting = (*model)->selecting;
   if (!selecting.expansion->undo()) return sdk::fail("nothing was accepted or rejected yet");
-  selecting.shown = selecting.shown_before.back();
-  selecting.shown_before.pop_back();
+  const auto before = static_cast<std::ptrdiff_t>(selecting.shown) - selecting.more_shown.back();
+  selecting.shown = static_cast<std::size_t>(
+      std::clamp(before, std::ptrdiff_t{0}, static_cast<std::ptrdiff_t>(selecting.expansion->size())));
+  selecting.more_shown.pop_back();
   ++(*model)->colour_revision;
   return {};
 }
