@@ -7,6 +7,7 @@
 #include <OpenNI.h>
 
 #include "firmware_host/backends/openni2_runtime.h"
+#include "firmware_host/control/usb.h"
 
 namespace armature {
 namespace {
@@ -95,7 +96,10 @@ class OpenNI2Device final : public DepthSource {
   }
 
   Expected<void> recover(RecoverBy by) override {
-    if (by != RecoverBy::RestartingStream) return complain("cannot be reset by OpenNI2");
+    if (by == RecoverBy::ResettingDevice) {
+      const std::string port = usb_port_of_openni2(device_.getDeviceInfo().getUri());
+      return port.empty() ? complain("is on no USB that could be reset") : reset_usb_device(port);
+    }
     stream_.stop();
     std::this_thread::sleep_for(kStreamPause);
     if (stream_.start() != openni::STATUS_OK) return complain("does not start again");

@@ -16,6 +16,8 @@
 #include <unistd.h>
 
 #include "firmware_host/backends/freenect.h"
+#include "firmware_host/control/usb.h"
+#include "firmware_host/control/video_nodes.h"
 
 namespace armature {
 namespace {
@@ -107,7 +109,10 @@ class V4l2Source final : public DepthSource {
   }
 
   Expected<void> recover(RecoverBy by) override {
-    if (by != RecoverBy::RestartingStream) return complain("cannot be reset here");
+    if (by == RecoverBy::ResettingDevice) {
+      const std::string port = usb_port_of_video(path_);
+      return port.empty() ? complain("is on no USB that could be reset") : reset_usb_device(port);
+    }
     if (!stream(false) || !queue_all() || !stream(true)) return complain("its stream does not start again");
     return {};
   }

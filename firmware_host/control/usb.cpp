@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <span>
 #include <utility>
 
@@ -213,21 +214,38 @@ Expected<KinectCamera> find_kinect(const std::vector<KinectCamera>& cameras, std
   return cameras[number];
 }
 
-Expected<void> reset_kinect_camera(std::string_view which) {
+Expected<void> reset_usb_device(std::string_view port) {
   auto context = make_context();
   if (!context) return tl::unexpected(context.error());
   const DeviceList list(context->get());
-  const auto camera = find_kinect(cameras_of(list), which);
-  if (!camera) return fail("Kinect camera: " + camera.error().message);
-  for (libusb_device* device : list.all()) {
-    if (!is_one_of(device, kKinectCameras) || port_of(device) != camera->port) continue;
-    const auto handle = open_device(device, "Kinect camera");
-    if (!handle) return tl::unexpected(handle.error());
-    const int error = libusb_reset_device(handle->get());
-    if (error != 0 && error != LIBUSB_ERROR_NOT_FOUND) return complain("Kinect camera: reset", error);
-    break;
-  }
+  const auto device = std::ranges::find(list.all(), port, port_of);
+  if (device == list.all().end()) return fail("nothing is plugged in on port " + std::string(port));
+  const auto handle = open_device(*device, "reset");
+  if (!handle) return tl::unexpected(handle.error());
+  const int error = libusb_reset_device(handle->get());
+  if (error != 0 && error != LIBUSB_ERROR_NOT_FOUND) return complain("reset", error);
   return {};
+}
+
+Expected<void> reset_kinect_camera(std::string_view which) {
+  auto context = make_context();
+  if (!context) return tl::unexpected(context.error());
+  const auto camera = find_kinect(kinect_cameras(context->get()), which);
+  if (!camera) return fail("Kinect camera: " + camera.error().message);
+  return reset_usb_device(camera->port);
+}
+
+std::string usb_port_of_openni2(std::string_view uri) {
+  uri.remove_prefix(std::min(uri.size(), uri.find('@')));
+  unsigned bus = 0, address = 0;
+  if (std::sscanf(std::string(uri).c_str(), "@%3u/%3u", &bus, &address) != 2) return {};
+  auto context = make_context();
+  if (!context) return {};
+  const DeviceList list(context->get());
+  const auto device = std::ranges::find_if(list.all(), [&](libusb_device* d) {
+    return libusb_get_bus_number(d) == bus && libusb_get_device_address(d) == address;
+  });
+  return device == list.all().end() ? std::string() : port_of(*device);
 }
 
 struct UsbWatch::State {

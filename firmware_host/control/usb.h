@@ -47,8 +47,14 @@ struct KinectCamera {
 /// The one that `which` names: "0", "1"... by that order, or its port. Fails where there is none.
 [[nodiscard]] Expected<KinectCamera> find_kinect(const std::vector<KinectCamera>& cameras, std::string_view which);
 
-/// Resets the camera that `which` names, as unplugging it would. It has to be opened anew.
+///@{
+/// Resets what is plugged in at a port, or the camera that `which` names, as unplugging it would. It has to be opened
+/// anew. Fails where nothing is there or this user may not.
+[[nodiscard]] Expected<void> reset_usb_device(std::string_view port);
 [[nodiscard]] Expected<void> reset_kinect_camera(std::string_view which);
+///@}
+/// The port of the device that OpenNI2 names so, `VENDOR/PRODUCT@BUS/ADDRESS`; empty where it names none.
+[[nodiscard]] std::string usb_port_of_openni2(std::string_view uri);
 
 /// Tells of sensors that are plugged in or out. Thread-safe: no.
 class UsbWatch {

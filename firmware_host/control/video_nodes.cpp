@@ -70,6 +70,16 @@ std::vector<VideoNode> list_depth_nodes() {
   return nodes;
 }
 
+std::string usb_port_of_video(const std::string& path) {
+  std::error_code error;
+  const fs::path node = fs::canonical(path, error).filename();
+  if (error || node.empty()) return {};
+  for (fs::path at = fs::canonical("/sys/class/video4linux" / node, error); !error && at.has_relative_path();
+       at = at.parent_path())
+    if (fs::exists(at / "busnum", error)) return at.filename();
+  return {};
+}
+
 std::vector<std::string> who_has_open(const std::string& path) {
   std::vector<std::string> programs;
   std::error_code error;

@@ -17,6 +17,9 @@ struct VideoNode {
 /// The depth cameras among /dev/video*, in the order of their numbers.
 [[nodiscard]] std::vector<VideoNode> list_depth_nodes();
 
+/// The USB port that a node's camera is plugged in at, "1-2.3", as the kernel names it; empty where it is on no USB.
+[[nodiscard]] std::string usb_port_of_video(const std::string& path);
+
 /// The programs that hold a file open, as "NAME (PID)". Of other users' programs only root sees.
 [[nodiscard]] std::vector<std::string> who_has_open(const std::string& path);
 

@@ -131,6 +131,11 @@ TEST_F(TwoKinectsTest, ANumberMeansTheSameOneEverywhere) {
   EXPECT_EQ(read_by("1-4.1"), &other_);
   ASSERT_TRUE(reset_kinect_camera("0"));
   EXPECT_EQ(std::pair(one_.resets(), other_.resets()), std::pair(1, 0));
+  const auto& last = sensors->back();
+  const std::string as_openni2_names_it = "045e/02ae@" + std::to_string(last.bus) + "/" + std::to_string(last.address);
+  EXPECT_EQ(usb_port_of_openni2(as_openni2_names_it), last.port);
+  for (const char* none : {"", "045e/02ae", "@", "045e/02ae@1", "045e/02ae@200/200", "/tmp/recording.oni"})
+    EXPECT_EQ(usb_port_of_openni2(none), "") << none;
   for (const char* which : {"1", "1-4.1"}) {
     const auto motor = KinectMotor::open(which);
     ASSERT_TRUE(motor) << motor.error().message;

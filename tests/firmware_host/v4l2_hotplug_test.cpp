@@ -48,11 +48,12 @@ class EmulatedCamera {
   EmulatedCamera(const EmulatedCamera&) = delete;
   EmulatedCamera& operator=(const EmulatedCamera&) = delete;
 
-  void plug_in() {
-    umockdev_testbed_add_from_string(bus_.testbed(),
-                                     "P: /devices/video0\nN: video0=00\nE: SUBSYSTEM=video4linux\nE: "
-                                     "DEVNAME=/dev/video0\n",
-                                     nullptr);
+  /// As part of another device, or of none.
+  void plug_in(const std::string& part_of = "/devices") {
+    path_ = part_of + "/video0";
+    umockdev_testbed_add_from_string(
+        bus_.testbed(), ("P: " + path_ + "\nN: video0=00\nE: SUBSYSTEM=video4linux\nE: DEVNAME=/dev/video0\n").c_str(),
+        nullptr);
     gchar* root = umockdev_testbed_get_root_dir(bus_.testbed());
     node_ = std::string(root) + "/dev/video0";
     g_free(root);
@@ -67,7 +68,7 @@ class EmulatedCamera {
       streaming_ = false;
       queued_.clear();
     }
-    umockdev_testbed_remove_device(bus_.testbed(), "/sys/devices/video0");
+    umockdev_testbed_remove_device(bus_.testbed(), ("/sys" + path_).c_str());
     ::unlink(node_.c_str());
   }
   /// Takes so long to say what it is.
@@ -192,7 +193,7 @@ class EmulatedCamera {
 
   test::EmulatedBus& bus_;
   std::uint32_t format_;
-  std::string card_, node_;
+  std::string card_, node_, path_;
   UMockdevIoctlBase* handler_;
   std::mutex mutex_;
   std::deque<__u32> queued_;
@@ -256,6 +257,25 @@ TEST_F(V4l2Test, ACamerasOwnUnitBecomesMillimetres) {
     }
     camera.unplug();
   }
+}
+
+TEST_F(V4l2Test, ACameraIsResetOverTheUsbThatItIsOn) {
+  test::EmulatedKinect kinect(bus_);
+  kinect.plug_in();
+  EmulatedCamera camera(bus_, kY10b, "kinect");
+  camera.plug_in("/devices/usb1/1-1");
+  {
+    auto source = open_v4l2("/dev/video0", {});
+    ASSERT_TRUE(source) << source.error().message;
+    const auto reset = (*source)->recover(RecoverBy::ResettingDevice);
+    EXPECT_TRUE(reset) << reset.error().message;
+    EXPECT_EQ(kinect.resets(), 1);
+  }
+  camera.unplug();
+  camera.plug_in();
+  auto source = open_v4l2("/dev/video0", {});
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_FALSE((*source)->recover(RecoverBy::ResettingDevice)) << "it is on no USB";
 }
 
 TEST_F(V4l2Test, WhatIsFartherThanTenMetresIsNotSeen) {
