@@ -95,8 +95,8 @@ int run_program(int argc, char** argv) {
       "Sees a person, measures seven small body motions against her rest pose and publishes camera velocities.",
       "armatured"};
   app.footer(
-      "Sources: openni2:, freenect:N or freenect:PORT, v4l2:/dev/videoN (`armature devices` lists them), oni:FILE, fakenect:DIR,\n"
-      "synth:NAME (a synthetic person; `armature synth --list`).\n"
+      "Sources: openni2:, freenect:N or freenect:PORT, v4l2:/dev/videoN (`armature devices` lists them),\n"
+      "oni:FILE, fakenect:DIR, synth:NAME (a synthetic person; `armature synth --list`).\n"
       "Signals: SIGTERM and SIGINT stop it with a zero published, SIGHUP reads the configuration again.\n\n"
       "Examples:\n"
       "  armatured --source oni:visitor.oni --endpoint ipc:///tmp/nav\n"

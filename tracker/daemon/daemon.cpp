@@ -139,11 +139,10 @@ void Daemon::State::compare_background(const Intrinsics& image) {
 }
 
 void Daemon::State::watch_sight() {
-  metrics.source_blind.store(blind, std::memory_order_relaxed);
   if (guard.sees() || (silent && !blind)) last_sight = last_frame;
-  if (blind == (last_frame - last_sight > kBlindAfter)) return;
-  blind = !blind;
-  metrics.source_blind.store(blind, std::memory_order_relaxed);
+  const bool sees_nothing = last_frame - last_sight > kBlindAfter;
+  metrics.source_blind.store(sees_nothing, std::memory_order_relaxed);
+  if (sees_nothing == std::exchange(blind, sees_nothing)) return;
   say(wire::EventKind::Warning, fmt::format("{} {}", config.source, blind ? kBlind : "sees again"));
 }
 

@@ -1,14 +1,34 @@
 #include "tracker/daemon/security.h"
 
 #include <charconv>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
 
 #include <armature/navproto/endpoints.h>
 
 namespace armature {
+namespace {
+
+/// Where the sockets of an endpoint are to be: a name that one can have, and for files a folder that is there. That of
+/// the default is made by systemd.
+Expected<void> check_endpoint(const Config& config, std::string_view key, const std::string& endpoint) {
+  if (const auto sockets = navproto::endpoints_of(endpoint); !sockets)
+    return refuse(config, key, endpoint, sockets.error().message);
+  constexpr std::string_view kIpc = "ipc://";
+  if (!endpoint.starts_with(kIpc) || endpoint == navproto::kDefaultEndpoint) return {};
+  const auto folder = std::filesystem::path(endpoint.substr(kIpc.size())).parent_path();
+  std::error_code ignored;
+  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return {};
+  return refuse(config, key, endpoint, "its directory does not exist; create it or choose another endpoint");
+}
+
+}  // namespace
 
 Expected<std::optional<navproto::CurveServer>> door_of(const Config& config) {
-  if (const auto sockets = navproto::endpoints_of(config.endpoint); !sockets)
-    return refuse(config, "publish.endpoint", config.endpoint, sockets.error().message);
+  if (const auto checked = check_endpoint(config, "publish.endpoint", config.endpoint); !checked)
+    return tl::unexpected(checked.error());
   if (!config.endpoint.starts_with("tcp:")) return std::nullopt;
   if (config.keys.empty() && config.allow.empty()) {
     if (config.insecure) return std::nullopt;
@@ -30,8 +50,8 @@ Expected<std::string> control_endpoint(const Config& config) {
   if (config.control.empty()) {
     return config.endpoint.starts_with("ipc:") ? config.endpoint : std::string(navproto::kDefaultEndpoint);
   }
-  const auto sockets = navproto::endpoints_of(config.control);
-  if (!sockets) return refuse(config, "control.endpoint", config.control, sockets.error().message);
+  if (const auto checked = check_endpoint(config, "control.endpoint", config.control); !checked)
+    return tl::unexpected(checked.error());
   if (config.control.starts_with("ipc:")) return config.control;
   return refuse(config, "control.endpoint", config.control, "expected ipc:///PATH, a socket of this machine");
 }

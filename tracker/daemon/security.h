@@ -12,8 +12,8 @@
 namespace armature {
 
 /// Whom the endpoint lets in. ipc: nothing to say (the file's mode does). tcp: our keys and the allow list, or nothing
-/// where the configuration says that it is insecure; anything else is refused, as are an endpoint that is none and
-/// files that cannot be read. Like all errors here it names file, line and key.
+/// where the configuration says that it is insecure; anything else is refused, as are an endpoint that is none or
+/// in no folder, and files that cannot be read. Like all errors here it names file, line and key.
 [[nodiscard]] Expected<std::optional<navproto::CurveServer>> door_of(const Config& config);
 
 /// Beside which endpoint the control socket stands: always one of this machine.

@@ -1,11 +1,7 @@
 #include "tracker/daemon/startup.h"
 
 #include <filesystem>
-#include <string>
-#include <system_error>
 #include <utility>
-
-#include <armature/navproto/endpoints.h>
 
 #include "tracker/daemon/security.h"
 #include "tracker/installation.h"
@@ -14,20 +10,6 @@
 namespace armature {
 
 using namespace std::chrono_literals;
-
-namespace {
-
-/// A local socket's folder must be there; that of the default is made by systemd.
-Expected<void> has_folder(const Config& config, std::string_view key, const std::string& endpoint) {
-  constexpr std::string_view kIpc = "ipc://";
-  if (!endpoint.starts_with(kIpc) || endpoint == navproto::kDefaultEndpoint) return {};
-  const auto folder = std::filesystem::path(endpoint.substr(kIpc.size())).parent_path();
-  std::error_code ignored;
-  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return {};
-  return refuse(config, key, endpoint, "its directory does not exist; `mkdir -p " + folder.string() + "`");
-}
-
-}  // namespace
 
 Expected<std::unique_ptr<DepthSource>> source_of(const Config& config, std::shared_ptr<Clock> clock) {
   if (config.source.empty()) return fail("no source: name one with --source URI or source.uri in the configuration");
@@ -52,9 +34,7 @@ std::vector<Refusal> refusals(const Config& config, std::string_view running_sou
   };
   if (running_source.empty() || config.source != running_source) look("source", source_of(config));
   look("endpoint", door_of(config));
-  look("endpoint", has_folder(config, "publish.endpoint", config.endpoint));
   look("control", control_endpoint(config));
-  look("control", has_folder(config, "control.endpoint", config.control));
   look("control", control_uids(config));
   return all;
 }

@@ -341,6 +341,19 @@ TEST_F(Hands, UseKeys) {
   ASSERT_TRUE(session.execute("panel select"));
   press(300);
   EXPECT_GT(selected(), some) << "Enter takes the matches that are shown";
+  // What is tried goes before what was kept.
+  ASSERT_TRUE(session.execute("panel edit"));
+  const Editing& editing = session.models.front()->editing;
+  for (const char* line : {"similarity gls 0", "edit displace 0.01 map", "keep-edit", "edit displace 0.01 map"}) {
+    ASSERT_TRUE(session.execute(line)) << line;
+    frame({300, 200});
+  }
+  ASSERT_TRUE(editing.tried);
+  press('Z', true);
+  EXPECT_FALSE(editing.tried);
+  EXPECT_EQ(editing.before.size(), 1U);
+  press('Z', true);
+  EXPECT_EQ(editing.before.size(), 0U);
   ASSERT_TRUE(session.execute("camera 10 10 50 0 0 0"));
   press('F');
   EXPECT_LT(session.camera.distance, 10);

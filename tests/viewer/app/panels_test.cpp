@@ -175,6 +175,13 @@ TEST_F(Hands, FindTheSliderOfEditsAtNothingOnceAnEditIsKeptOrDroppedOrIsAnotherM
     carry_out(session, end);
     expect("0.0");
   }
+  // What is tried on the other one is seen again, and a kept one is not, whatever was done while it was being kept.
+  carry_out(session, "model 2");
+  expect("2.0");
+  ASSERT_TRUE(session.execute("keep-edit"));
+  ASSERT_TRUE(session.execute("camera 20 20"));
+  while (session.job.running()) session.update(session.now + std::chrono::milliseconds(5));
+  expect("0.0");
 }
 
 /// Folders and files that are there for as long as it lives.
@@ -210,6 +217,13 @@ TEST_F(Hands, FindFilesThatHaveJustComeInADialogThatIsAlwaysInTheWindow) {
   ask_for_file(ui, FileUse::Open);
   EXPECT_NE(words().find("new.off"), std::string::npos);
   EXPECT_EQ(words().find("steps.moves"), std::string::npos);
+  carry_out(session, "build");
+  ask_for_file(ui, FileUse::Save);
+  static_cast<void>(words());
+  ImGui::GetIO().AddInputCharactersUTF8("new.off");
+  EXPECT_NE(words().find("Replace"), std::string::npos) << "it is there";
+  ask_for_file(ui, FileUse::SavePose);
+  EXPECT_EQ(words().find("Replace"), std::string::npos) << "no steps are saved over a model by a slip";
   ask_for_file(ui, FileUse::ReplayPose);
   EXPECT_NE(words().find("steps.moves"), std::string::npos);
   EXPECT_EQ(words().find("new.off"), std::string::npos);

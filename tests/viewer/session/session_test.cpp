@@ -11,8 +11,6 @@
 #include <thread>
 #include <utility>
 
-#include <armature/sdk/hierarchy/build.h>
-#include <armature/sdk/spheremesh/extract.h>
 #include <gtest/gtest.h>
 
 #include "viewer/scene/coarse_mesh.h"
@@ -21,7 +19,6 @@
 #include "viewer/session/job.h"
 #include "viewer/session/made_once.h"
 #include "viewer/session/orbit_camera.h"
-#include "viewer/session/posing.h"
 #include "viewer/session/script.h"
 #include "viewer/walk/path_task.h"
 
@@ -194,30 +191,6 @@ TEST(Models, ThatAreClosedGo) {
     std::this_thread::sleep_for(1ms);
   }
   EXPECT_TRUE(left.expired());
-}
-
-TEST(Models, LieWithinTheirExtentHoweverTheyArePosed) {
-  sdk::SphereMesh bar;
-  bar.spheres = {{{-1, 0, 0}, 0.3}, {{1, 0, 0}, 0.3}};
-  bar.edges = {{sdk::SphereId(0), sdk::SphereId(1)}};
-  Model model;
-  model.mesh = std::make_shared<const MeshShape>(sdk::extract_surface(bar, {.tolerance = 1e-2}, {}).value());
-  const auto hierarchy =
-      std::make_shared<const sdk::Hierarchy>(std::move(sdk::build_hierarchy(model.mesh->mesh)->hierarchy));
-  model.set_hierarchy(hierarchy, 4);
-  const auto reaches = [&](const sdk::Sphere& around) {
-    double most = 0;
-    for (const Eigen::Vector3d& at : model.shown_mesh().positions) most = std::max(most, (at - around.centre).norm());
-    for (const sdk::Sphere& s : model.spheres->shape->spheres)
-      most = std::max(most, (s.centre - around.centre).norm() + s.radius);
-    return most;
-  };
-  EXPECT_LE(reaches(model.extent()), model.extent().radius * (1 + 1e-12));
-  model.posing = Posing::begin(model.mesh, hierarchy, 4, {}).value();
-  model.lay(model.posing->move({.spheres = {sdk::SphereId(0)}, .translate = {0, 9, 0}}).value());
-  EXPECT_GT(reaches(model.around()), 1.5 * model.around().radius) << "far from where it was";
-  EXPECT_LE(reaches(model.extent()), model.extent().radius * (1 + 1e-12));
-  EXPECT_EQ(model.around().radius, model.mesh->around.radius) << "it is as large as before";
 }
 
 TEST(Sizes, AreReadStrictly) {

@@ -187,7 +187,7 @@ void look_at_configuration(const DoctorOptions& options, Findings& findings) {
   }
   if (tcp && door) look_at_ports(config.endpoint, *door, findings);
   constexpr std::string_view kIpc = "ipc://";
-  if (config.endpoint.starts_with(kIpc)) {
+  if (config.endpoint.starts_with(kIpc) && door) {
     auto folder = std::filesystem::path(config.endpoint.substr(kIpc.size())).parent_path();
     if (folder.empty()) folder = ".";
     if (config.endpoint == navproto::kDefaultEndpoint && ::access(folder.c_str(), F_OK) != 0) {
